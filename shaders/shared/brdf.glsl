@@ -1,0 +1,143 @@
+// The BRDF of the project, the same for the cache and for the reference:
+//   f = (1 - metallic) base/pi (1 - E_spec(NoV)) + D V F
+// GGX distribution, Smith height-correlated masking-shadowing, Schlick Fresnel,
+// alpha = roughness^2. E_spec, the specular lobe's directional albedo, comes from a table over
+// (NoV, roughness) split by Schlick's Fresnel into F0 * A + F90 * B. Light scattered more than once
+// between microfacets is not compensated.
+// Based on: [WMLT07], [Hei14], [Sch94], the glTF 2.0 specification's appendix B.
+#ifndef SHARED_BRDF_GLSL
+#define SHARED_BRDF_GLSL
+
+#include "shared/language.glsl"
+
+// Below this roughness the lobe is narrower than float arithmetic on unit vectors resolves.
+const float MIN_ROUGHNESS = 0.03f;
+// Cosines are kept above this where they divide.
+const float MIN_COSINE = 1e-4f;
+// A shading normal is bent until it makes at least this cosine with the viewer.
+const float MIN_VIEW_COSINE = 1e-2f;
+
+// Size of the directional-albedo table; its axes are sqrt(NoV) and roughness, samples at the ends.
+const int ALBEDO_TABLE_MU = 64;
+const int ALBEDO_TABLE_ROUGHNESS = 32;
+
+// A surface's material as seen from one direction.
+struct Brdf {
+    vec3 diffuse;  // diffuse reflectance toward the viewer, 1/pi not included
+    float alpha;   // GGX width
+    vec3 f0;       // specular reflectance at normal incidence
+    float f90;     // and at grazing incidence
+};
+
+// What a material is made of, textures applied.
+struct MaterialParams {
+    vec3 base_color;
+    float metallic;
+    vec3 specular_color;  // KHR_materials_specular
+    float specular;
+    vec3 emission;        // radiance, nits
+    float roughness;      // perceptual
+};
+
+// Continuous sample coordinates (x: NoV, y: roughness) in the albedo table, 0..size-1.
+FN vec2 albedoTableCoord(float NoV, float roughness) {
+    return vec2(sqrt(clamp(NoV, 0.0f, 1.0f)) * float(ALBEDO_TABLE_MU - 1),
+                clamp(roughness, 0.0f, 1.0f) * float(ALBEDO_TABLE_ROUGHNESS - 1));
+}
+// The inverse: NoV and roughness of a table sample.
+FN vec2 albedoTableParams(int x, int y) {
+    float root_mu = float(x) / float(ALBEDO_TABLE_MU - 1);
+    return vec2(root_mu * root_mu, float(y) / float(ALBEDO_TABLE_ROUGHNESS - 1));
+}
+
+FN float alphaFromRoughness(float roughness) {
+    float r = max(roughness, MIN_ROUGHNESS);
+    return r * r;
+}
+
+// `albedo_ab` is the albedo table at (NoV, roughness). [glTF, KHR_materials_specular]
+FN Brdf makeBrdf(IN(MaterialParams) m, IN(vec2) albedo_ab) {
+    Brdf b;
+    vec3 dielectric_f0 = min(0.04f * m.specular_color, vec3(1.0f)) * m.specular;
+    b.f0 = mix(dielectric_f0, m.base_color, m.metallic);
+    b.f90 = mix(m.specular, 1.0f, m.metallic);
+    b.alpha = alphaFromRoughness(m.roughness);
+    vec3 e_spec = b.f0 * albedo_ab.x + vec3(b.f90 * albedo_ab.y);
+    b.diffuse = (1.0f - m.metallic) * m.base_color * (vec3(1.0f) - e_spec);
+    return b;
+}
+
+// GGX normal distribution. [WMLT07, eq. 33]
+FN float distributionGgx(float NoH, float alpha) {
+    float a2 = alpha * alpha;
+    // 1 - NoH^2 (1 - a2), arranged so that it does not cancel near NoH = 1
+    float d = (1.0f - NoH * NoH) + NoH * NoH * a2;
+    return a2 / (PI * d * d);
+}
+
+// Height-correlated G2 / (4 NoL NoV). [Hei14, eq. 99]
+FN float visibilitySmith(float NoV, float NoL, float alpha) {
+    float a2 = alpha * alpha;
+    float v = NoL * sqrt(NoV * NoV * (1.0f - a2) + a2);
+    float l = NoV * sqrt(NoL * NoL * (1.0f - a2) + a2);
+    return 0.5f / max(v + l, MIN_COSINE * MIN_COSINE);
+}
+
+// Weight of F90 in Schlick's Fresnel. [Sch94, eq. 15]
+FN float schlickWeight(float VoH) {
+    float m = clamp(1.0f - VoH, 0.0f, 1.0f);
+    float m2 = m * m;
+    return m2 * m2 * m;
+}
+
+// The specular term without its Fresnel factor, and Schlick's weight: f = value * mix(f0, f90, w).
+FN vec2 specularLobe(float alpha, IN(vec3) n, IN(vec3) wo, IN(vec3) wi) {
+    float NoV = max(dot(n, wo), MIN_COSINE);
+    float NoL = dot(n, wi);
+    if (NoL <= 0.0f) {
+        return vec2(0.0f, 0.0f);
+    }
+    vec3 h = normalize(wo + wi);
+    float NoH = clamp(dot(n, h), 0.0f, 1.0f);
+    return vec2(distributionGgx(NoH, alpha) * visibilitySmith(NoV, NoL, alpha),
+                schlickWeight(dot(wo, h)));
+}
+
+// The specular BRDF, 1/sr; the cosine is not included; 0 below the horizon of n.
+FN vec3 evalSpecular(IN(Brdf) b, IN(vec3) n, IN(vec3) wo, IN(vec3) wi) {
+    vec2 lobe = specularLobe(b.alpha, n, wo, wi);
+    return (b.f0 + (vec3(b.f90) - b.f0) * lobe.y) * lobe.x;
+}
+
+// The whole BRDF, 1/sr; the cosine is not included; 0 below the horizon of n.
+FN vec3 evalBrdf(IN(Brdf) b, IN(vec3) n, IN(vec3) wo, IN(vec3) wi) {
+    if (dot(n, wi) <= 0.0f) {
+        return vec3(0.0f);
+    }
+    return b.diffuse / PI + evalSpecular(b, n, wo, wi);
+}
+
+// Two-sidedness: surfaces are opaque and shade on both sides. The geometric normal turned to the
+// viewer (direction wo, from the surface).
+FN vec3 faceViewer(IN(vec3) n_g, IN(vec3) wo) {
+    return dot(n_g, wo) < 0.0f ? -n_g : n_g;
+}
+
+// The shading normal on the side of `n_g` (already facing the viewer), bent toward the viewer where
+// interpolation turned it away, so that dot(n, wo) >= MIN_VIEW_COSINE.
+FN vec3 shadingNormal(IN(vec3) n_interpolated, IN(vec3) n_g, IN(vec3) wo) {
+    vec3 n = dot(n_interpolated, n_g) < 0.0f ? -n_interpolated : n_interpolated;
+    float NoV = dot(n, wo);
+    if (NoV >= MIN_VIEW_COSINE) {
+        return n;
+    }
+    vec3 side = n - NoV * wo;  // n without its part along wo
+    float side_length = length(side);
+    if (side_length < 1e-6f) {
+        return n_g;
+    }
+    return MIN_VIEW_COSINE * wo +
+           sqrt(1.0f - MIN_VIEW_COSINE * MIN_VIEW_COSINE) / side_length * side;
+}
+
+#endif

@@ -1,0 +1,37 @@
+// The vector types of the project and the few helpers GLM has no name for.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <limits>
+
+namespace sheen {
+
+using glm::ivec2;
+using glm::ivec3;
+using glm::mat3;
+using glm::mat4;
+using glm::uvec2;
+using glm::uvec3;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+constexpr float kPi = 3.14159265358979323846f;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// Axis-aligned bounds, world space; empty (lower > upper) until a point is added.
+struct Bounds {
+    vec3 lower{kInfinity};
+    vec3 upper{-kInfinity};
+
+    bool empty() const { return lower.x > upper.x; }
+    void add(const vec3& p) {
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
+    }
+    vec3 center() const { return 0.5f * (lower + upper); }
+    /// Length of the diagonal: the "scene's size"; 0 when empty.
+    float size() const { return empty() ? 0.0f : glm::length(upper - lower); }
+};
+
+}  // namespace sheen

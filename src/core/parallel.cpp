@@ -1,0 +1,43 @@
+#include "core/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+
+#include <memory>
+
+#include "core/error.h"
+
+namespace sheen {
+namespace {
+
+std::unique_ptr<tbb::global_control> g_limit;
+int g_threads = 0;
+
+}  // namespace
+
+void setThreadCount(int threads) {
+    SHEEN_CHECK(threads >= 0);
+    g_threads = threads;
+    g_limit.reset();
+    if (threads > 0) {
+        g_limit = std::make_unique<tbb::global_control>(
+            tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads));
+    }
+}
+
+int threadCount() {
+    return g_threads > 0 ? g_threads : tbb::info::default_concurrency();
+}
+
+void parallelFor(int count, const std::function<void(int)>& body, int grain) {
+    tbb::parallel_for(tbb::blocked_range<int>(0, count, static_cast<size_t>(grain)),
+                      [&](const tbb::blocked_range<int>& range) {
+                          for (int i = range.begin(); i < range.end(); ++i) {
+                              body(i);
+                          }
+                      });
+}
+
+}  // namespace sheen

@@ -1,0 +1,56 @@
+#include "core/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace sheen {
+namespace {
+
+constexpr double kQuietSeconds = 0.5;
+constexpr int kBarWidth = 30;
+constexpr int kPlainStepPercent = 10;
+
+}  // namespace
+
+Progress::Progress(std::string label, int64_t total, bool quiet)
+    : label_(std::move(label)),
+      total_(std::max<int64_t>(total, 1)),
+      quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) != 0) {}
+
+Progress::~Progress() {
+    if (terminal_ && printed_percent_ >= 0) {
+        fmt::print(stderr, "\n");
+    }
+}
+
+void Progress::advance(int64_t steps) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    done_ = std::min(done_ + steps, total_);
+    if (!quiet_ && timer_.seconds() > kQuietSeconds) {
+        print();
+    }
+}
+
+void Progress::print() {
+    const int percent = static_cast<int>(100 * done_ / total_);
+    const int step = terminal_ ? 1 : kPlainStepPercent;
+    if (printed_percent_ >= 0 && percent / step == printed_percent_ / step) {
+        return;
+    }
+    printed_percent_ = percent;
+    const double elapsed = timer_.seconds();
+    const double left = done_ > 0 ? elapsed * static_cast<double>(total_ - done_) / done_ : 0.0;
+    if (terminal_) {
+        const int filled = kBarWidth * percent / 100;
+        fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3}% {:.0f} s left ", label_, "", filled, "",
+                   kBarWidth - filled, percent, left);
+    } else {
+        fmt::print(stderr, "{} {}% ({:.0f} s left)\n", label_, percent, left);
+    }
+    fflush(stderr);
+}
+
+}  // namespace sheen

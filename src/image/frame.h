@@ -1,0 +1,39 @@
+// A rendered frame: what `sheen render` writes, whatever the method. Layers that a render does not
+// make are empty images.
+#pragma once
+
+#include <cstdint>
+
+#include "image/image.h"
+
+namespace sheen {
+
+/// `primitive` of a pixel that sees no geometry.
+constexpr uint32_t kNoPrimitive = 0xffffffffu;
+
+struct Frame {
+    // Outgoing radiance toward the camera, glTF's photometric scale (nits).
+    Image<vec3> direct;            ///< punctual lights, one scattering
+    Image<vec3> indirect;          ///< design section 3; diffuse and specular
+    Image<vec3> indirect_diffuse;  ///< its diffuse part
+    Image<vec3> emission;
+    // The G-buffer.
+    Image<vec3> albedo;        ///< diffuse reflectance toward the camera, 0..1
+    Image<vec3> normal;        ///< shading normal, world space, on the camera's side
+    Image<vec3> position;      ///< world space
+    Image<float> roughness;    ///< perceptual (glTF)
+    Image<float> depth;        ///< along the view axis, scene units; +inf where nothing is seen
+    Image<uint32_t> primitive; ///< triangle index in Scene, or kNoPrimitive
+    // The cache.
+    Image<float> weight;   ///< sum of record weights
+    Image<float> records;  ///< number of records serving the pixel
+    // The reference: variance of the mean, from independent replicates.
+    Image<vec3> indirect_variance;
+    Image<vec3> indirect_diffuse_variance;
+    Image<vec3> direct_variance;
+
+    int width() const { return primitive.width; }
+    int height() const { return primitive.height; }
+};
+
+}  // namespace sheen

@@ -1,0 +1,73 @@
+// The whole flow from a scene to a frame.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "image/frame.h"
+#include "scene/scene.h"
+
+namespace sheen {
+
+enum class Method { kRadiance, kIrradiance, kReference };
+/// How a record's hemisphere is covered, see hemisphere/.
+enum class HemisphereKind { kBorder, kPlane, kLarsen, kHemicube };
+
+/// Everything that changes the image. Defaults were chosen by measurement (docs/decisions.md).
+struct RenderParams {
+    Method method = Method::kRadiance;
+    int width = 512;
+    int height = 512;
+    std::string camera;  ///< name or index; empty: the scene's first
+    // The cached methods.
+    float accuracy = 0.15f;  ///< Ward's a: smaller is better and slower
+    int sh_order = 0;        ///< 0: chosen per material
+    HemisphereKind gather = HemisphereKind::kBorder;
+    int gather_size = 64;       ///< texels along a side of the plane
+    float gather_extent = 3.0f; ///< half-extent of the plane at distance 1
+    // The reference.
+    int bounces = 1;
+    int spp = 256;  ///< rays a pixel, over all replicates
+    uint32_t seed = 0;
+    bool all_layers = false;  ///< also make the layers of `--layers all`
+    bool quiet = false;       ///< no progress
+};
+
+/// SH order a material was given; 0: diffuse, 0 as well where no pixel of the frame sees it.
+struct MaterialOrder {
+    std::string material;
+    int order = 0;
+};
+
+/// Wall-clock seconds of each stage. `total` and `write` are filled in by the program.
+struct StageSeconds {
+    double total = 0, load = 0, gbuffer = 0, shadow = 0, placement = 0, gather = 0, project = 0,
+           splat = 0, compose = 0, trace = 0, write = 0;
+};
+
+/// What the program prints and writes as --json.
+struct RenderStats {
+    int records = 0;
+    StageSeconds seconds;
+    int pixels_geometry = 0;     ///< pixels that see geometry
+    int pixels_uncovered = 0;    ///< of these, without any record
+    int nonfinite_pixels = 0;
+    int negative_pixels = 0;     ///< clamped at compose
+    double diffuse_share = 0;    ///< of pixels_geometry, classified as diffuse
+    double too_glossy_share = 0; ///< of pixels_geometry, smoother than the highest order resolves
+    std::vector<MaterialOrder> sh_order;
+    std::string gl_renderer;     ///< empty for the reference
+    double mrays_per_second = 0; ///< reference only
+};
+
+struct RenderResult {
+    Frame frame;
+    RenderStats stats;
+};
+
+/// Renders one frame. Usage error where the method does not support an option or the camera does
+/// not exist; environment error without an OpenGL 4.5 context.
+RenderResult renderFrame(const Scene& scene, const RenderParams& params);
+
+}  // namespace sheen

@@ -1,0 +1,33 @@
+// Sampling the GGX distribution of visible normals. Based on: [Hei18].
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/math.h"
+
+namespace sheen {
+
+/// A microfacet normal visible from `wo_local` (unit, z is the surface normal, z > 0), by the
+/// distribution D_v(h) = G1(wo) max(0, wo.h) D(h) / wo.z; u in [0, 1)^2. [Hei18, listing 1]
+inline vec3 sampleGgxVisibleNormal(const vec3& wo_local, float alpha, const vec2& u) {
+    const vec3 v = glm::normalize(vec3(alpha * wo_local.x, alpha * wo_local.y, wo_local.z));
+    const float length2 = v.x * v.x + v.y * v.y;
+    const vec3 t1 = length2 > 0.0f ? vec3(-v.y, v.x, 0.0f) / std::sqrt(length2) : vec3(1, 0, 0);
+    const vec3 t2 = glm::cross(v, t1);
+    const float r = std::sqrt(u.x);
+    const float phi = 2.0f * kPi * u.y;
+    const float p1 = r * std::cos(phi);
+    const float s = 0.5f * (1.0f + v.z);
+    const float p2 = (1.0f - s) * std::sqrt(1.0f - p1 * p1) + s * r * std::sin(phi);
+    const vec3 n = p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0f, 1.0f - p1 * p1 - p2 * p2)) * v;
+    return glm::normalize(vec3(alpha * n.x, alpha * n.y, std::max(1e-6f, n.z)));
+}
+
+/// Smith masking G1 of one direction with cosine `mu`. [Hei14, eq. 72]
+inline float maskingSmith(float mu, float alpha) {
+    const float tan2 = (1.0f - mu * mu) / std::max(mu * mu, 1e-12f);
+    return 2.0f / (1.0f + std::sqrt(1.0f + alpha * alpha * tan2));
+}
+
+}  // namespace sheen

@@ -1,0 +1,85 @@
+// The scene as plain data: arrays of structs, integer indices across, everything in world space.
+// Every stage reads it; nothing changes it after loading.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/math.h"
+#include "scene/shared.h"
+
+namespace sheen {
+
+using shared::Brdf;
+using shared::LightSample;
+using shared::MaterialParams;
+using shared::PunctualLight;
+
+/// A base-colour image, decoded to linear light.
+struct Texture {
+    int width = 0;
+    int height = 0;
+    std::vector<vec3> texels;  ///< [y][x], first row first as stored in the file, linear RGB
+    glm::ivec2 wrap{shared::WRAP_REPEAT};
+};
+
+struct Material {
+    std::string name;
+    MaterialParams params;        ///< factors; base_color is multiplied by the texture
+    int base_color_texture = -1;  ///< index into Scene::textures, or -1
+};
+
+struct Camera {
+    std::string name;
+    mat4 world_from_camera{1.0f};  ///< rigid; looks along -z, +y up
+    float y_fov = 0.9f;            ///< vertical field of view, radians
+    float aspect = 0.0f;           ///< width / height; 0: the image's
+};
+
+struct Scene {
+    // Vertices: [vertex]
+    std::vector<vec3> positions;
+    std::vector<vec3> normals;  ///< unit
+    std::vector<vec2> uvs;      ///< zero where the mesh has none
+    // Triangles: [triangle]; never degenerate, all coordinates finite. Counter-clockwise seen from
+    // the front; the vertex normals may lie on either side.
+    std::vector<uvec3> triangles;
+    std::vector<uint32_t> materials_of;  ///< index into materials
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    std::vector<PunctualLight> lights;
+    std::vector<std::string> light_names;
+    std::vector<Camera> cameras;
+    Bounds bounds;
+    std::vector<std::string> warnings;  ///< one line each: what the loader had to leave out or mend
+
+    int triangleCount() const { return static_cast<int>(triangles.size()); }
+};
+
+/// Loads a .glb or .gltf file: geometry with its transforms, metallic-roughness factors and
+/// base-colour textures, KHR_materials_specular, KHR_materials_emissive_strength, cameras,
+/// KHR_lights_punctual. Whatever else the file uses is named in Scene::warnings, or, where the
+/// result would be wrong (a required extension, a compressed mesh), is an input error.
+/// A scene without cameras gets one that frames its bounds.
+Scene loadScene(const std::string& path);
+
+/// The camera called `name`, or the one with that index; empty: the first. Usage error if absent.
+const Camera& findCamera(const Scene& scene, const std::string& name);
+
+/// Ray through the centre of pixel (x, y) of an image, row 0 on top: origin and unit direction,
+/// world space. A camera's own aspect, where it has one and differs from the image's, is ignored:
+/// the vertical field of view is kept.
+struct CameraRay {
+    vec3 origin;
+    vec3 direction;
+};
+CameraRay cameraRay(const Camera& camera, int width, int height, float x, float y);
+
+/// Base colour at uv (bilinear, the full-resolution level) times the factor, and the other factors.
+MaterialParams materialAt(const Scene& scene, const Material& material, const vec2& uv);
+
+/// Unit geometric normal by winding.
+vec3 geometricNormal(const Scene& scene, int triangle);
+
+}  // namespace sheen
