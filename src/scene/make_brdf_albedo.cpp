@@ -48,7 +48,7 @@ int main() {
                 a += (1.0 - f) * weight;
                 b += f * weight;
             }
-            fmt::print("{:.7g}f,{:.7g}f,\n", a / kSamples, b / kSamples);
+            fmt::print("{:.6e}f,{:.6e}f,\n", a / kSamples, b / kSamples);
         }
     }
     return 0;
