@@ -1,0 +1,280 @@
+// Meshes: primitives become triangles in world space, with what is broken in them mended or left
+// out and counted.
+#include <cmath>
+
+#include "scene/gltf_parts.h"
+
+namespace sheen::gltf {
+namespace {
+
+constexpr uint32_t kUnused = ~0u;
+// Scene::triangleCount() is an int and vertices are indexed by 32 bits.
+constexpr size_t kMaxTriangles = size_t{1} << 30;
+
+bool finite(const vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// A primitive before it is cleaned; arrays are [vertex] and [triangle].
+struct Primitive {
+    std::vector<vec3> positions;
+    std::vector<vec3> normals;  // empty: flat
+    std::vector<vec2> uvs;      // empty: zero
+    std::vector<uvec3> triangles;
+};
+
+std::vector<uvec3> trianglesOf(const std::vector<uint32_t>& index, int mode) {
+    std::vector<uvec3> triangles;
+    if (index.size() < 3) {
+        return triangles;
+    }
+    switch (mode) {
+        case TINYGLTF_MODE_TRIANGLE_STRIP:
+            for (size_t i = 0; i + 2 < index.size(); ++i) {
+                // Every second triangle is turned round, so that all face one way.
+                const size_t odd = i % 2;
+                triangles.emplace_back(index[i], index[i + 1 + odd], index[i + 2 - odd]);
+            }
+            break;
+        case TINYGLTF_MODE_TRIANGLE_FAN:
+            for (size_t i = 0; i + 2 < index.size(); ++i) {
+                triangles.emplace_back(index[i + 1], index[i + 2], index[0]);
+            }
+            break;
+        default:
+            for (size_t i = 0; i + 2 < index.size(); i += 3) {
+                triangles.emplace_back(index[i], index[i + 1], index[i + 2]);
+            }
+    }
+    return triangles;
+}
+
+std::vector<vec3> asVec3(const std::vector<float>& values) {
+    std::vector<vec3> result(values.size() / 3);
+    for (size_t i = 0; i < result.size(); ++i) {
+        result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    }
+    return result;
+}
+
+Primitive readPrimitive(File& file, const tinygltf::Primitive& source, const std::string& where) {
+    const Integers quantized = file.uses("KHR_mesh_quantization") ? Integers::kAny : Integers::kNo;
+    const auto attribute = [&](const char* name) {
+        const auto found = source.attributes.find(name);
+        return found == source.attributes.end() ? -1 : found->second;
+    };
+    const auto check_count = [&](const char* name, size_t count, size_t expected) {
+        if (count != expected) {
+            file.fail(where, "{} has {} elements and POSITION {}; export the file again", name,
+                      count, expected);
+        }
+    };
+
+    Primitive primitive;
+    if (source.attributes.count("POSITION") == 0) {
+        file.notes.add("primitive without positions left out");
+        return primitive;
+    }
+    primitive.positions =
+        asVec3(readFloats(file, attribute("POSITION"), 3, quantized, where + ", POSITION"));
+    const size_t count = primitive.positions.size();
+    if (source.attributes.count("NORMAL") > 0) {
+        primitive.normals =
+            asVec3(readFloats(file, attribute("NORMAL"), 3, quantized, where + ", NORMAL"));
+        check_count("NORMAL", primitive.normals.size(), count);
+    }
+    if (source.attributes.count("TEXCOORD_0") > 0) {
+        const std::vector<float> uv =
+            readFloats(file, attribute("TEXCOORD_0"), 2,
+                       quantized == Integers::kAny ? Integers::kAny : Integers::kNormalizedUnsigned,
+                       where + ", TEXCOORD_0");
+        check_count("TEXCOORD_0", uv.size() / 2, count);
+        primitive.uvs.resize(count);
+        for (size_t i = 0; i < count; ++i) {
+            primitive.uvs[i] = {uv[2 * i], uv[2 * i + 1]};
+        }
+    }
+    std::vector<uint32_t> indices;
+    if (source.indices != -1) {
+        indices = readIndices(file, source.indices, count, where + ", indices");
+    } else {
+        indices.resize(count);
+        for (size_t i = 0; i < count; ++i) {
+            indices[i] = static_cast<uint32_t>(i);
+        }
+    }
+    if (source.mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) {
+        file.notes.add(
+            "index list that is no multiple of three: its last, incomplete triangle left out");
+    }
+    primitive.triangles = trianglesOf(indices, source.mode);
+    return primitive;
+}
+
+void transform(Primitive& primitive, const glm::dmat4& world_from_mesh) {
+    const glm::dmat3 linear(world_from_mesh);
+    const double determinant = glm::determinant(linear);
+    // Normals go by the inverse transpose; the cofactor matrix has its direction (times the
+    // determinant) and exists for singular transforms, too.
+    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                              glm::cross(linear[0], linear[1]));
+    const double side = determinant < 0.0 ? -1.0 : 1.0;
+    for (vec3& p : primitive.positions) {
+        p = vec3(glm::dvec3(world_from_mesh * glm::dvec4(p, 1.0)));
+    }
+    for (vec3& n : primitive.normals) {
+        const glm::dvec3 world = side * (cofactor * glm::dvec3(n));
+        const double length = glm::length(world);
+        n = length > 0.0 && std::isfinite(length) ? vec3(world / length) : vec3(0.0f);
+    }
+    if (determinant < 0.0) {
+        for (uvec3& t : primitive.triangles) {
+            std::swap(t.y, t.z);
+        }
+    }
+}
+
+vec3 crossOf(const Primitive& primitive, const uvec3& t) {
+    const vec3& p = primitive.positions[t.x];
+    return glm::cross(primitive.positions[t.y] - p, primitive.positions[t.z] - p);
+}
+
+// Leaves out triangles whose geometric normal does not exist in float arithmetic.
+void dropDegenerate(File& file, Primitive& primitive) {
+    size_t kept = 0;
+    int64_t non_finite = 0;
+    int64_t no_area = 0;
+    for (const uvec3& t : primitive.triangles) {
+        if (!finite(primitive.positions[t.x]) || !finite(primitive.positions[t.y]) ||
+            !finite(primitive.positions[t.z])) {
+            ++non_finite;
+            continue;
+        }
+        const vec3 n = crossOf(primitive, t);
+        const float length2 = glm::dot(n, n);
+        if (!(length2 >= std::numeric_limits<float>::min()) || !std::isfinite(length2)) {
+            ++no_area;
+            continue;
+        }
+        primitive.triangles[kept++] = t;
+    }
+    primitive.triangles.resize(kept);
+    if (non_finite > 0) {
+        file.notes.add("triangle with coordinates that are not finite left out", non_finite);
+    }
+    if (no_area > 0) {
+        file.notes.add("triangle without area left out", no_area);
+    }
+}
+
+// A zero or non-finite normal becomes that of the triangles around its vertex.
+void mendNormals(File& file, Primitive& primitive) {
+    std::vector<vec3> around(primitive.normals.size(), vec3(0.0f));
+    std::vector<bool> used(primitive.normals.size(), false);
+    for (const uvec3& t : primitive.triangles) {
+        const vec3 n = glm::normalize(crossOf(primitive, t));
+        for (int corner = 0; corner < 3; ++corner) {
+            const uint32_t vertex = t[corner];
+            used[vertex] = true;
+            // Opposite faces would cancel: the first then counts alone.
+            const vec3 sum = around[vertex] + n;
+            around[vertex] = glm::dot(sum, sum) > 1e-6f ? sum : around[vertex];
+        }
+    }
+    int64_t mended = 0;
+    for (size_t i = 0; i < primitive.normals.size(); ++i) {
+        if (used[i] && (!finite(primitive.normals[i]) || primitive.normals[i] == vec3(0.0f))) {
+            primitive.normals[i] = glm::normalize(around[i]);
+            ++mended;
+        }
+    }
+    if (mended > 0) {
+        file.notes.add("normal that was zero or not finite replaced by the geometric one", mended);
+    }
+}
+
+void append(File& file, const Primitive& primitive, uint32_t material, Scene& scene) {
+    if (scene.triangles.size() + primitive.triangles.size() > kMaxTriangles) {
+        file.fail("meshes", "more than {} triangles; split or simplify the scene", kMaxTriangles);
+    }
+    std::vector<uint32_t> scene_vertex(primitive.positions.size(), kUnused);
+    int64_t bad_uvs = 0;
+    const auto add_vertex = [&](uint32_t vertex, const vec3& normal) {
+        const auto index = static_cast<uint32_t>(scene.positions.size());
+        vec2 uv = primitive.uvs.empty() ? vec2(0.0f) : primitive.uvs[vertex];
+        if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
+            uv = vec2(0.0f);
+            ++bad_uvs;
+        }
+        scene.positions.push_back(primitive.positions[vertex]);
+        scene.normals.push_back(normal);
+        scene.uvs.push_back(uv);
+        scene.bounds.add(primitive.positions[vertex]);
+        return index;
+    };
+    for (const uvec3& t : primitive.triangles) {
+        uvec3 triangle;
+        const vec3 flat = glm::normalize(crossOf(primitive, t));
+        for (int corner = 0; corner < 3; ++corner) {
+            const uint32_t vertex = t[corner];
+            if (primitive.normals.empty()) {
+                triangle[corner] = add_vertex(vertex, flat);
+                continue;
+            }
+            if (scene_vertex[vertex] == kUnused) {
+                scene_vertex[vertex] = add_vertex(vertex, primitive.normals[vertex]);
+            }
+            triangle[corner] = scene_vertex[vertex];
+        }
+        scene.triangles.push_back(triangle);
+        scene.materials_of.push_back(material);
+    }
+    if (bad_uvs > 0) {
+        file.notes.add("texture coordinate that was not finite set to zero", bad_uvs);
+    }
+}
+
+// Notes what a primitive asks for beyond what is loaded.
+void noteUnsupported(File& file, const tinygltf::Primitive& source, const std::string& where) {
+    if (source.extensions.count("KHR_draco_mesh_compression") > 0) {
+        file.fail(where, "KHR_draco_mesh_compression is not supported; export uncompressed");
+    }
+    if (!source.targets.empty()) {
+        file.notes.add("morph targets are not supported: the base mesh is shown");
+    }
+    if (source.attributes.count("COLOR_0") > 0) {
+        file.notes.add("vertex colours are not supported and left out");
+    }
+}
+
+}  // namespace
+
+void appendMesh(File& file, int mesh_index, const glm::dmat4& world_from_mesh, Scene& scene) {
+    const tinygltf::Mesh& mesh = file.model.meshes[static_cast<size_t>(mesh_index)];
+    const auto default_material = static_cast<uint32_t>(scene.materials.size() - 1);
+    for (size_t i = 0; i < mesh.primitives.size(); ++i) {
+        const tinygltf::Primitive& source = mesh.primitives[i];
+        const std::string where = fmt::format("mesh {}{}, primitive {}", mesh_index,
+                                              mesh.name.empty() ? "" : " (" + mesh.name + ")", i);
+        if (source.mode >= TINYGLTF_MODE_POINTS && source.mode < TINYGLTF_MODE_TRIANGLES) {
+            file.notes.add("points and lines are not supported: primitive left out");
+            continue;
+        }
+        if (source.mode < 0 || source.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+            file.fail(where, "mode {} is unknown; use triangles (4)", source.mode);
+        }
+        uint32_t material = default_material;
+        if (source.material != -1) {
+            file.at(file.model.materials, source.material, where, "material");
+            material = static_cast<uint32_t>(source.material);
+        }
+        noteUnsupported(file, source, where);
+        Primitive primitive = readPrimitive(file, source, where);
+        transform(primitive, world_from_mesh);
+        dropDegenerate(file, primitive);
+        mendNormals(file, primitive);
+        append(file, primitive, material, scene);
+    }
+}
+
+}  // namespace sheen::gltf

@@ -1,0 +1,234 @@
+// Materials and their base-colour textures.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "scene/gltf_parts.h"
+
+namespace sheen::gltf {
+namespace {
+
+// An image of more texels is refused: decoded, it takes 12 bytes a texel.
+constexpr int64_t kMaxTexels = int64_t{1} << 27;
+
+float linearFromSrgb(float s) {
+    return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+}
+
+std::string nameOf(const std::string& kind, size_t index, const std::string& name) {
+    return name.empty() ? fmt::format("{} {}", kind, index)
+                        : fmt::format("{} {} ({})", kind, index, name);
+}
+
+float clampedFactor(File& file, double value, double upper, const std::string& where,
+                    const char* what) {
+    const float factor = finiteFloat(file, value, where, what);
+    if (value < 0.0 || value > upper) {
+        file.notes.add(fmt::format("{}: {} {} is out of range and clamped", where, what, value));
+    }
+    return std::clamp(factor, 0.0f, static_cast<float>(upper));
+}
+
+int wrapOf(const File& file, int gl_wrap, const std::string& where) {
+    switch (gl_wrap) {
+        case TINYGLTF_TEXTURE_WRAP_REPEAT:
+            return shared::WRAP_REPEAT;
+        case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+            return shared::WRAP_CLAMP;
+        case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+            return shared::WRAP_MIRROR;
+        default:
+            file.fail(where, "wrap mode {} is unknown; use 10497, 33071 or 33648", gl_wrap);
+    }
+}
+
+std::vector<vec3> linearTexels(const tinygltf::Image& image) {
+    const auto count = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
+    const auto components = static_cast<size_t>(image.component);
+    std::vector<vec3> texels(count);
+    if (image.bits == 16) {
+        for (size_t i = 0; i < count; ++i) {
+            std::array<uint16_t, 3> rgb;
+            std::memcpy(rgb.data(), image.image.data() + 2 * i * components, sizeof(rgb));
+            for (int c = 0; c < 3; ++c) {
+                texels[i][c] = linearFromSrgb(rgb[static_cast<size_t>(c)] / 65535.0f);
+            }
+        }
+        return texels;
+    }
+    std::array<float, 256> table;
+    for (size_t i = 0; i < table.size(); ++i) {
+        table[i] = linearFromSrgb(static_cast<float>(i) / 255.0f);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const unsigned char* rgb = image.image.data() + i * components;
+        texels[i] = {table[rgb[0]], table[rgb[1]], table[rgb[2]]};
+    }
+    return texels;
+}
+
+Texture decodeImage(const File& file, int index) {
+    const tinygltf::Image& source = file.model.images[static_cast<size_t>(index)];
+    const std::string where = nameOf("image", static_cast<size_t>(index), source.name);
+    ByteSpan bytes{source.image.data(), source.image.size()};
+    if (source.bufferView >= 0) {
+        bytes = bufferViewBytes(file, source.bufferView, where);
+    }
+    if (bytes.size == 0) {
+        file.fail(where, "{} cannot be read; put it beside the scene, or embed it",
+                  source.uri.empty() ? "it" : source.uri);
+    }
+    if (bytes.size > static_cast<size_t>(std::numeric_limits<int>::max())) {
+        file.fail(where, "it has {} bytes; use a smaller image", bytes.size);
+    }
+    tinygltf::Image image;
+    std::string error;
+    std::string warning;
+    if (!tinygltf::LoadImageData(&image, index, &error, &warning, 0, 0, bytes.data,
+                                 static_cast<int>(bytes.size), nullptr) ||
+        image.component < 3) {
+        file.fail(where, "it cannot be decoded; use an intact PNG or JPEG");
+    }
+    if (int64_t{image.width} * image.height > kMaxTexels) {
+        file.fail(where, "{} x {} texels are too many; use a smaller image", image.width,
+                  image.height);
+    }
+    return {.width = image.width, .height = image.height, .texels = linearTexels(image)};
+}
+
+// Decoded textures by (image, wrap), so that materials share them.
+using TextureIndex = std::map<std::array<int, 3>, int>;
+
+int loadTexture(File& file, int texture_index, const std::string& owner, TextureIndex& known,
+                Scene& scene) {
+    const tinygltf::Texture& texture =
+        file.at(file.model.textures, texture_index, owner, "texture");
+    const std::string where = fmt::format("texture {}", texture_index);
+    if (texture.source < 0 && !texture.extensions.empty()) {
+        file.fail(where, "its image format ({}) is not supported; use PNG or JPEG",
+                  texture.extensions.begin()->first);
+    }
+    file.at(file.model.images, texture.source, where, "image");
+    glm::ivec2 wrap(shared::WRAP_REPEAT);
+    if (texture.sampler != -1) {
+        const tinygltf::Sampler& sampler =
+            file.at(file.model.samplers, texture.sampler, where, "sampler");
+        const std::string sampler_where = fmt::format("sampler {}", texture.sampler);
+        wrap = {wrapOf(file, sampler.wrapS, sampler_where),
+                wrapOf(file, sampler.wrapT, sampler_where)};
+        if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST) {
+            file.notes.add("nearest filtering is not supported: texture filtered linearly");
+        }
+    }
+    const auto [found, is_new] = known.try_emplace({texture.source, wrap.x, wrap.y},
+                                                   static_cast<int>(scene.textures.size()));
+    if (is_new) {
+        Texture decoded = decodeImage(file, texture.source);
+        decoded.wrap = wrap;
+        scene.textures.push_back(std::move(decoded));
+    }
+    return found->second;
+}
+
+void readSpecular(File& file, const tinygltf::Value& extension, const std::string& where,
+                  MaterialParams& params) {
+    params.specular =
+        clampedFactor(file, numberMember(file, extension, "specularFactor", 1.0, where), 1.0, where,
+                      "specularFactor");
+    if (extension.Has("specularColorFactor")) {
+        const tinygltf::Value& color = extension.Get("specularColorFactor");
+        if (color.ArrayLen() != 3) {
+            file.fail(where, "specularColorFactor must hold three numbers");
+        }
+        for (int c = 0; c < 3; ++c) {
+            if (!color.Get(c).IsNumber()) {
+                file.fail(where, "specularColorFactor must hold three numbers");
+            }
+            params.specular_color[c] =
+                clampedFactor(file, color.Get(c).GetNumberAsDouble(),
+                              std::numeric_limits<float>::max(), where, "specularColorFactor");
+        }
+    }
+    if (extension.Has("specularTexture") || extension.Has("specularColorTexture")) {
+        file.notes.add("specular textures are not supported and left out: material affected");
+    }
+}
+
+void noteUnsupported(File& file, const tinygltf::Material& source) {
+    const auto note = [&](bool used, const char* what) {
+        if (used) {
+            file.notes.add(fmt::format("{} not supported and left out: material affected", what));
+        }
+    };
+    note(source.normalTexture.index != -1, "normal textures are");
+    note(source.pbrMetallicRoughness.metallicRoughnessTexture.index != -1,
+         "metallic-roughness textures are");
+    note(source.occlusionTexture.index != -1, "occlusion textures are");
+    note(source.emissiveTexture.index != -1, "emissive textures are");
+    if (source.alphaMode != "OPAQUE") {
+        file.notes.add(
+            fmt::format("alphaMode {} is not supported: material shown opaque", source.alphaMode));
+    }
+    const tinygltf::TextureInfo& base = source.pbrMetallicRoughness.baseColorTexture;
+    note(base.extensions.count("KHR_texture_transform") > 0, "KHR_texture_transform is");
+    if (base.index != -1 && base.texCoord != 0) {
+        file.notes.add(fmt::format("TEXCOORD_{} is not supported: material textured by TEXCOORD_0",
+                                   base.texCoord));
+    }
+}
+
+Material loadMaterial(File& file, size_t index, TextureIndex& known, Scene& scene) {
+    const tinygltf::Material& source = file.model.materials[index];
+    const std::string where = nameOf("material", index, source.name);
+    const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+    if (pbr.baseColorFactor.size() != 4 || source.emissiveFactor.size() != 3) {
+        file.fail(where, "baseColorFactor must hold four numbers and emissiveFactor three");
+    }
+    Material material;
+    material.name = source.name.empty() ? fmt::format("material {}", index) : source.name;
+    MaterialParams& params = material.params;
+    params.metallic = clampedFactor(file, pbr.metallicFactor, 1.0, where, "metallicFactor");
+    params.roughness = clampedFactor(file, pbr.roughnessFactor, 1.0, where, "roughnessFactor");
+    params.specular = 1.0f;
+    params.specular_color = vec3(1.0f);
+    double strength = 1.0;
+    for (const auto& [name, extension] : source.extensions) {
+        if (name == "KHR_materials_specular") {
+            readSpecular(file, extension, where, params);
+        } else if (name == "KHR_materials_emissive_strength") {
+            strength = numberMember(file, extension, "emissiveStrength", 1.0, where);
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        const auto i = static_cast<size_t>(c);
+        params.base_color[c] =
+            clampedFactor(file, pbr.baseColorFactor[i], 1.0, where, "baseColorFactor");
+        params.emission[c] = clampedFactor(file, source.emissiveFactor[i] * strength,
+                                           std::numeric_limits<float>::max(), where, "emission");
+    }
+    if (pbr.baseColorTexture.index != -1) {
+        material.base_color_texture =
+            loadTexture(file, pbr.baseColorTexture.index, where, known, scene);
+    }
+    noteUnsupported(file, source);
+    return material;
+}
+
+}  // namespace
+
+void loadMaterials(File& file, Scene& scene) {
+    TextureIndex known;
+    for (size_t i = 0; i < file.model.materials.size(); ++i) {
+        scene.materials.push_back(loadMaterial(file, i, known, scene));
+    }
+    scene.materials.push_back({.name = "default",
+                               .params = {.base_color = vec3(1.0f),
+                                          .metallic = 1.0f,
+                                          .specular_color = vec3(1.0f),
+                                          .specular = 1.0f,
+                                          .emission = vec3(0.0f),
+                                          .roughness = 1.0f}});
+}
+
+}  // namespace sheen::gltf

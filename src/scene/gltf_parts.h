@@ -1,0 +1,90 @@
+// What the files of the glTF loader share: the parsed file with its checks, and one function for
+// each part of a scene. tinygltf parses the JSON and finds the buffers; it hands every index,
+// offset and count on as written, so each is checked here before it is used.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "scene/scene.h"
+
+namespace sheen::gltf {
+
+/// Things left out or mended, counted by kind, in the order of their first appearance.
+class Notes {
+  public:
+    void add(const std::string& what, int64_t count = 1);
+    /// One line each, with its count where it is more than one.
+    std::vector<std::string> lines() const;
+
+  private:
+    std::vector<std::pair<std::string, int64_t>> notes_;
+};
+
+/// A file being loaded.
+struct File {
+    std::string path;
+    tinygltf::Model model;
+    Notes notes;
+
+    /// Throws an input error that names the file: where in it, and what is wrong and how to mend
+    /// it.
+    template <class... Args>
+    [[noreturn]] void fail(const std::string& where, fmt::format_string<Args...> what,
+                           Args&&... args) const {
+        throwInput("{}: {}: {}", path, where, fmt::format(what, std::forward<Args>(args)...));
+    }
+
+    /// `list[index]`, or an input error: `where` refers to "`kind` `index`", which is not there.
+    template <class T>
+    const T& at(const std::vector<T>& list, int index, const std::string& where,
+                const char* kind) const {
+        if (index < 0 || static_cast<size_t>(index) >= list.size()) {
+            fail(where, "refers to {} {}, but the file has {}; export it again", kind, index,
+                 list.size());
+        }
+        return list[static_cast<size_t>(index)];
+    }
+
+    bool uses(const std::string& extension) const;
+};
+
+/// Which component types an accessor may have beside float.
+enum class Integers { kNo, kNormalizedUnsigned, kAny };
+
+/// Bytes of a buffer view, checked against its buffer.
+struct ByteSpan {
+    const unsigned char* data;
+    size_t size;
+};
+ByteSpan bufferViewBytes(const File& file, int buffer_view, const std::string& where);
+
+/// An accessor's values as floats, [element][components]; `components` is 2 or 3. Normalised
+/// integers become [0, 1] or [-1, 1]; sparse accessors are filled in.
+std::vector<float> readFloats(const File& file, int accessor, int components, Integers integers,
+                              const std::string& where);
+
+/// An accessor's values as vertex indices, each below `vertex_count`.
+std::vector<uint32_t> readIndices(const File& file, int accessor, size_t vertex_count,
+                                  const std::string& where);
+
+/// All materials of the file, in its order, and the glTF default material behind them, with the
+/// textures they use.
+void loadMaterials(File& file, Scene& scene);
+
+/// Appends a mesh, transformed to world space.
+void appendMesh(File& file, int mesh, const glm::dmat4& world_from_mesh, Scene& scene);
+
+/// A finite float from a JSON number, or an input error.
+float finiteFloat(const File& file, double value, const std::string& where, const char* what);
+
+/// Member `key` of an extension object: its number, or `fallback` where it is absent.
+double numberMember(const File& file, const tinygltf::Value& object, const std::string& key,
+                    double fallback, const std::string& where);
+
+}  // namespace sheen::gltf
