@@ -18,12 +18,12 @@ struct Frame {
     Image<vec3> indirect_diffuse;  ///< its diffuse part
     Image<vec3> emission;
     // The G-buffer.
-    Image<vec3> albedo;        ///< diffuse reflectance toward the camera, 0..1
-    Image<vec3> normal;        ///< shading normal, world space, on the camera's side
-    Image<vec3> position;      ///< world space
-    Image<float> roughness;    ///< perceptual (glTF)
-    Image<float> depth;        ///< along the view axis, scene units; +inf where nothing is seen
-    Image<uint32_t> primitive; ///< triangle index in Scene, or kNoPrimitive
+    Image<vec3> albedo;         ///< diffuse reflectance toward the camera, 0..1
+    Image<vec3> normal;         ///< shading normal, world space, on the camera's side
+    Image<vec3> position;       ///< world space
+    Image<float> roughness;     ///< perceptual (glTF)
+    Image<float> depth;         ///< along the view axis, scene units; +inf where nothing is seen
+    Image<uint32_t> primitive;  ///< triangle index in Scene, or kNoPrimitive
     // The cache.
     Image<float> weight;   ///< sum of record weights
     Image<float> records;  ///< number of records serving the pixel
@@ -35,5 +35,8 @@ struct Frame {
     int width() const { return primitive.width; }
     int height() const { return primitive.height; }
 };
+
+/// What the camera sees: direct + indirect + emission; a layer the frame lacks counts as black.
+Image<vec3> beauty(const Frame& frame);
 
 }  // namespace sheen

@@ -1,0 +1,339 @@
+#include "image/exr.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfTestFile.h>
+#include <OpenEXR/ImfThreading.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <deque>
+#include <filesystem>
+#include <new>
+
+#include "core/parallel.h"
+#include "image/atomic_file.h"
+
+namespace sheen {
+namespace {
+
+constexpr float kHalfMax = 65504.0f;
+constexpr int kMaxSide = 16384;
+constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
+constexpr std::array<const char*, 3> kXyz = {"X", "Y", "Z"};
+const char* const kPrimitiveChannel = "primitive.id";
+
+std::string oneLine(std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text;
+}
+
+// OpenEXR's own file stream loses errors that show only when the file is closed.
+class AtomicStream : public Imf::OStream {
+  public:
+    explicit AtomicStream(AtomicFile& file) : OStream(file.path().c_str()), file_(file) {}
+    void write(const char data[], int size) override {
+        file_.write(data, static_cast<size_t>(size));
+    }
+    uint64_t tellp() override { return file_.position(); }
+    void seekp(uint64_t position) override { file_.seek(position); }
+
+  private:
+    AtomicFile& file_;
+};
+
+// The channels of a file to be written and the pixels they come from.
+class Channels {
+  public:
+    Channels(int width, int height, bool exact) : width_(width), height_(height), exact_(exact) {}
+
+    // A layer of three channels; `prefix` is empty for the unnamed layer or ends in a dot.
+    void addColor(const std::string& prefix, const std::array<const char*, 3>& names,
+                  const Image<vec3>& image, bool as_half) {
+        if (image.empty()) {
+            return;
+        }
+        checkSize(image.width, image.height);
+        const float* values = &image.pixels[0].x;
+        for (size_t c = 0; c < 3; ++c) {
+            addFloats(prefix + names[c], values + c, 3, as_half);
+        }
+    }
+
+    void addScalar(const std::string& name, const Image<float>& image, bool as_half) {
+        if (image.empty()) {
+            return;
+        }
+        checkSize(image.width, image.height);
+        addFloats(name, image.pixels.data(), 1, as_half);
+    }
+
+    void addIds(const std::string& name, const Image<uint32_t>& image) {
+        checkSize(image.width, image.height);
+        insert(name, Imf::UINT, image.pixels.data(), sizeof(uint32_t));
+    }
+
+    void write(AtomicFile& file, const Imf::Header& plain) const {
+        Imf::Header header = plain;
+        header.channels() = list_;
+        AtomicStream stream(file);
+        Imf::OutputFile output(stream, header, Imf::globalThreadCount());
+        output.setFrameBuffer(pixels_);
+        output.writePixels(height_);
+    }
+
+    size_t clamped() const { return clamped_; }
+
+  private:
+    void checkSize(int width, int height) const {
+        SHEEN_CHECK_EQ(width, width_);
+        SHEEN_CHECK_EQ(height, height_);
+    }
+
+    void addFloats(const std::string& name, const float* values, size_t stride, bool as_half) {
+        if (!as_half || exact_) {
+            insert(name, Imf::FLOAT, values, stride * sizeof(float));
+            return;
+        }
+        const size_t count = static_cast<size_t>(width_) * static_cast<size_t>(height_);
+        std::vector<half>& halves = halves_.emplace_back(count);
+        for (size_t i = 0; i < count; ++i) {
+            const float value = values[i * stride];
+            const bool clamp = std::abs(value) > kHalfMax;
+            clamped_ += clamp ? 1 : 0;
+            halves[i] = half(clamp ? std::copysign(kHalfMax, value) : value);
+        }
+        insert(name, Imf::HALF, halves.data(), sizeof(half));
+    }
+
+    void insert(const std::string& name, Imf::PixelType type, const void* data, size_t stride) {
+        list_.insert(name, Imf::Channel(type));
+        // OpenEXR's slices serve reading and writing alike, hence the cast; it only reads here.
+        char* base = static_cast<char*>(const_cast<void*>(data));
+        pixels_.insert(name, Imf::Slice(type, base, stride, stride * static_cast<size_t>(width_)));
+    }
+
+    int width_;
+    int height_;
+    bool exact_;
+    size_t clamped_ = 0;
+    Imf::ChannelList list_;
+    Imf::FrameBuffer pixels_;
+    std::deque<std::vector<half>> halves_;  // a deque: slices point into its elements
+};
+
+Image<float> alpha(const Frame& frame) {
+    Image<float> image(frame.width(), frame.height());
+    std::transform(frame.primitive.pixels.begin(), frame.primitive.pixels.end(),
+                   image.pixels.begin(),
+                   [](uint32_t id) { return id == kNoPrimitive ? 0.0f : 1.0f; });
+    return image;
+}
+
+// Layers whose names the header comment lists, in file order (OpenEXR sorts channels by name).
+void addLayers(Channels& channels, const Frame& frame, ExrLayers layers) {
+    const bool all = layers == ExrLayers::kAll;
+    channels.addColor("direct.", kRgb, frame.direct, true);
+    channels.addColor("indirect.", kRgb, frame.indirect, true);
+    if (all || !frame.indirect_diffuse_variance.empty()) {
+        channels.addColor("indirect_diffuse.", kRgb, frame.indirect_diffuse, true);
+    }
+    channels.addIds(kPrimitiveChannel, frame.primitive);
+    channels.addColor("variance.", kRgb, frame.indirect_variance, false);
+    channels.addColor("variance_diffuse.", kRgb, frame.indirect_diffuse_variance, false);
+    channels.addColor("variance_direct.", kRgb, frame.direct_variance, false);
+    if (all) {
+        channels.addColor("emission.", kRgb, frame.emission, true);
+        channels.addColor("albedo.", kRgb, frame.albedo, true);
+        channels.addColor("normal.", kXyz, frame.normal, true);
+        channels.addColor("position.", kXyz, frame.position, false);
+        channels.addScalar("roughness.Y", frame.roughness, true);
+        channels.addScalar("depth.Z", frame.depth, false);
+        channels.addScalar("weight.Y", frame.weight, false);
+        channels.addScalar("records.Y", frame.records, false);
+    }
+}
+
+// Files of some writers name a triple but miss a channel: better said than read as a scalar.
+bool hasTriple(const Imf::ChannelList& list, const std::string& path, const std::string& prefix,
+               const std::array<const char*, 3>& names) {
+    int found = 0;
+    for (const char* name : names) {
+        found += list.findChannel(prefix + name) != nullptr ? 1 : 0;
+    }
+    if (found == 2) {
+        throwInput("{}: layer '{}' lacks one of the channels {}, {}, {}", path,
+                   prefix.empty() ? "beauty" : prefix.substr(0, prefix.size() - 1), names[0],
+                   names[1], names[2]);
+    }
+    return found == 3;
+}
+
+// Points OpenEXR at the images its channels go to. Slices address pixels in the file's own
+// coordinates, hence the shift by the data window's corner.
+class Reader {
+  public:
+    Reader(LoadedExr& exr, Imf::InputFile& file) : exr_(exr), file_(file) {
+        const Imath::Box2i window = file.header().dataWindow();
+        origin_x_ = window.min.x;
+        origin_y_ = window.min.y;
+    }
+
+    void read() {
+        const Imf::ChannelList& list = file_.header().channels();
+        for (auto channel = list.begin(); channel != list.end(); ++channel) {
+            if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
+                throwInput("{}: channel '{}' is subsampled, which Sheen does not read", exr_.path,
+                           channel.name());
+            }
+            addChannel(list, channel.name());
+        }
+        file_.setFrameBuffer(pixels_);
+        const Imath::Box2i window = file_.header().dataWindow();
+        file_.readPixels(window.min.y, window.max.y);
+    }
+
+  private:
+    void addChannel(const Imf::ChannelList& list, const std::string& name) {
+        if (name == kPrimitiveChannel && list.findChannel(name)->type == Imf::UINT) {
+            exr_.primitive = Image<uint32_t>(exr_.width, exr_.height);
+            insert(name, Imf::UINT, exr_.primitive.pixels.data(), sizeof(uint32_t));
+            return;
+        }
+        const size_t dot = name.rfind('.');
+        const std::string prefix = dot == std::string::npos ? "" : name.substr(0, dot + 1);
+        const std::string channel = name.substr(prefix.size());
+        for (const auto& names : {kRgb, kXyz}) {
+            const auto it = std::find(names.begin(), names.end(), channel);
+            if (it == names.end() || !hasTriple(list, exr_.path, prefix, names)) {
+                continue;
+            }
+            const std::string layer = prefix.empty() ? "beauty" : name.substr(0, dot);
+            Image<vec3>& image = exr_.colors[layer];
+            if (image.empty()) {
+                image = Image<vec3>(exr_.width, exr_.height);
+            }
+            float* values = &image.pixels[0].x + (it - names.begin());
+            insert(name, Imf::FLOAT, values, sizeof(vec3));
+            return;
+        }
+        Image<float>& image = exr_.scalars[name] = Image<float>(exr_.width, exr_.height);
+        insert(name, Imf::FLOAT, image.pixels.data(), sizeof(float));
+    }
+
+    void insert(const std::string& name, Imf::PixelType type, void* data, size_t stride) {
+        const ptrdiff_t row = static_cast<ptrdiff_t>(stride) * exr_.width;
+        char* base = static_cast<char*>(data) -
+                     static_cast<ptrdiff_t>(stride) * static_cast<ptrdiff_t>(origin_x_) -
+                     row * static_cast<ptrdiff_t>(origin_y_);
+        pixels_.insert(name, Imf::Slice(type, base, stride, static_cast<size_t>(row)));
+    }
+
+    LoadedExr& exr_;
+    Imf::InputFile& file_;
+    Imf::FrameBuffer pixels_;
+    int origin_x_ = 0;
+    int origin_y_ = 0;
+};
+
+void checkIsExr(const std::string& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) {
+        throwInput("{}: no such file", path);
+    }
+    if (std::filesystem::is_directory(status)) {
+        throwInput("{}: is a directory, not an EXR file", path);
+    }
+    if (!Imf::isOpenExrFile(path.c_str())) {
+        throwInput("{}: not an EXR file, or not readable", path);
+    }
+}
+
+}  // namespace
+
+void writeExr(const std::string& path, const Frame& frame, ExrLayers layers) {
+    SHEEN_CHECK(!frame.primitive.empty());
+    const bool exact = !frame.indirect_variance.empty() || !frame.indirect_diffuse_variance.empty();
+    const Image<vec3> beauty_image = beauty(frame);
+    const Image<float> alpha_image = alpha(frame);
+    Channels channels(frame.width(), frame.height(), exact);
+    channels.addColor("", kRgb, beauty_image, true);
+    channels.addScalar("A", alpha_image, true);
+    addLayers(channels, frame, layers);
+    if (channels.clamped() > 0) {
+        warn(fmt::format("{}: {} values above {} were clamped: the file stores 16-bit floats", path,
+                         channels.clamped(), kHalfMax));
+    }
+
+    AtomicFile file(path);
+    Imf::Header header(frame.width(), frame.height());
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::setGlobalThreadCount(threadCount());
+    try {
+        channels.write(file, header);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& error) {
+        throwEnvironment("{}: cannot write: {}", path, oneLine(error.what()));
+    }
+    file.commit();
+}
+
+LoadedExr readExr(const std::string& path) {
+    checkIsExr(path);
+    LoadedExr exr;
+    exr.path = path;
+    Imf::setGlobalThreadCount(threadCount());
+    try {
+        Imf::InputFile file(path.c_str());
+        const Imath::Box2i window = file.header().dataWindow();
+        const int64_t width = int64_t{window.max.x} - window.min.x + 1;
+        const int64_t height = int64_t{window.max.y} - window.min.y + 1;
+        if (width > kMaxSide || height > kMaxSide) {
+            throwInput("{}: {}x{} pixels are more than {} a side", path, width, height, kMaxSide);
+        }
+        if (!file.isComplete()) {
+            throwInput("{}: incomplete EXR file: was it cut short?", path);
+        }
+        exr.width = static_cast<int>(width);
+        exr.height = static_cast<int>(height);
+        Reader(exr, file).read();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throwEnvironment("{}: {}x{} pixels do not fit in memory", path, exr.width, exr.height);
+    } catch (const std::exception& error) {
+        throwInput("{}: damaged EXR file: {}", path, oneLine(error.what()));
+    }
+    return exr;
+}
+
+const Image<vec3>& colorLayer(const LoadedExr& exr, const std::string& name) {
+    const auto found = exr.colors.find(name);
+    if (found != exr.colors.end()) {
+        return found->second;
+    }
+    std::string known;
+    for (const auto& [layer, image] : exr.colors) {
+        known += (known.empty() ? "" : ", ") + layer;
+    }
+    throwInput("{}: no layer '{}'; the file has: {}", exr.path, name,
+               known.empty() ? "no colour layers" : known);
+}
+
+const Image<uint32_t>& primitiveLayer(const LoadedExr& exr) {
+    if (exr.primitive.empty()) {
+        throwInput("{}: no channel '{}': not a file that `sheen render` wrote", exr.path,
+                   kPrimitiveChannel);
+    }
+    return exr.primitive;
+}
+
+}  // namespace sheen

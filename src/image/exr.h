@@ -1,0 +1,51 @@
+// Frames as OpenEXR files: the lossless output of a render and the input of a comparison.
+//
+// Layers and their channels (design section 4):
+//   beauty R,G,B,A          direct + indirect + emission; A is 1 where geometry is seen, else 0
+//   direct, indirect, indirect_diffuse, emission, albedo    .R .G .B
+//   normal, position        .X .Y .Z
+//   roughness.Y depth.Z weight.Y records.Y
+//   primitive.id            unsigned integer, kNoPrimitive where nothing is seen
+//   variance, variance_diffuse, variance_direct    .R .G .B; variance of the mean of indirect,
+//                           indirect_diffuse, direct
+// Colours, normals and roughness are half, everything else is float. A frame that carries variances
+// (the reference) keeps its colours in float as well, so that judging by it is exact.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "image/frame.h"
+
+namespace sheen {
+
+enum class ExrLayers {
+    kBasic,  ///< beauty, direct, indirect, primitive, variances and the layers they belong to
+    kAll,    ///< every layer the frame has
+};
+
+/// Writes `frame` to `path`, which appears whole or not at all. Values above half's largest (65504)
+/// are clamped in half channels, and their number is warned of. Environment error where the file
+/// cannot be written.
+void writeExr(const std::string& path, const Frame& frame, ExrLayers layers);
+
+/// What an EXR file holds. Half and integer channels are converted to float.
+struct LoadedExr {
+    std::string path;
+    int width = 0;
+    int height = 0;
+    std::map<std::string, Image<vec3>> colors;    ///< .R .G .B or .X .Y .Z; unnamed layer: "beauty"
+    std::map<std::string, Image<float>> scalars;  ///< every other channel, by its full name
+    Image<uint32_t> primitive;                    ///< empty where the file has none
+};
+
+/// Reads any flat EXR file of one part. Input error, naming the path: missing, a folder, not an
+/// EXR file, damaged or incomplete, larger than 16384 a side, subsampled channels.
+LoadedExr readExr(const std::string& path);
+
+/// Layer `name` of a file. Input error, listing what the file has, where it is missing.
+const Image<vec3>& colorLayer(const LoadedExr& exr, const std::string& name);
+/// Its primitive.id. Input error where it is missing.
+const Image<uint32_t>& primitiveLayer(const LoadedExr& exr);
+
+}  // namespace sheen

@@ -1,0 +1,19 @@
+#include "image/frame.h"
+
+namespace sheen {
+
+Image<vec3> beauty(const Frame& frame) {
+    Image<vec3> sum(frame.width(), frame.height());
+    for (const Image<vec3>* layer : {&frame.direct, &frame.indirect, &frame.emission}) {
+        if (layer->empty()) {
+            continue;
+        }
+        SHEEN_CHECK_EQ(layer->pixels.size(), sum.pixels.size());
+        for (size_t i = 0; i < sum.pixels.size(); ++i) {
+            sum.pixels[i] += layer->pixels[i];
+        }
+    }
+    return sum;
+}
+
+}  // namespace sheen

@@ -1,0 +1,22 @@
+// Images to look at: exposed, tone-mapped (tonemap.h), 8-bit sRGB PNG.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "image/frame.h"
+#include "image/tonemap.h"
+
+namespace sheen {
+
+/// Writes `image` at `exposure` stops (none: by its log-average) to `path`, which appears whole or
+/// not at all. Environment error where it cannot be written.
+void writePng(const std::string& path, const Image<vec3>& image, std::optional<float> exposure);
+
+/// The frame's beauty, see above.
+void writePng(const std::string& path, const Frame& frame, std::optional<float> exposure);
+
+/// Writes display values as they are: charts, false colours.
+void writePng(const std::string& path, const Image<Rgb8>& image);
+
+}  // namespace sheen

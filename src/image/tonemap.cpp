@@ -1,0 +1,91 @@
+#include "image/tonemap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace sheen {
+namespace {
+
+constexpr float kMiddleGrey = 0.18f;
+constexpr double kDarkestShare = 1e-4;                 // of the mean luminance
+constexpr vec3 kLuminance{0.2126f, 0.7152f, 0.0722f};  // Rec. 709
+// Beyond this exponent 2^EV times any luminance of interest leaves float's range.
+constexpr float kMaxStops = 100.0f;
+
+bool isFinite(const vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+uint8_t byteFromUnit(float unit) {
+    return static_cast<uint8_t>(std::lround(255.0f * std::clamp(unit, 0.0f, 1.0f)));
+}
+
+}  // namespace
+
+float autoExposure(const Image<vec3>& image) {
+    std::vector<float> luminances;
+    double sum = 0.0;
+    for (const vec3& pixel : image.pixels) {
+        const float luminance = glm::dot(pixel, kLuminance);
+        if (std::isfinite(luminance) && luminance > 0.0f) {
+            luminances.push_back(luminance);
+            sum += luminance;
+        }
+    }
+    if (luminances.empty()) {
+        return 0.0f;
+    }
+    // The paper's delta, which keeps nearly black pixels from deciding, relative to the image.
+    const double count = static_cast<double>(luminances.size());
+    const double floor = kDarkestShare * sum / count;
+    double sum_log2 = 0.0;
+    for (const float luminance : luminances) {
+        sum_log2 += std::log2(std::max<double>(luminance, floor));
+    }
+    return static_cast<float>(std::log2(kMiddleGrey) - sum_log2 / count);
+}
+
+vec3 toneMap(const vec3& color) {
+    // The symbols of [KhronosNeutral]; d = 1 - K_s.
+    constexpr float kF90 = 0.04f;
+    constexpr float kKs = 0.8f - kF90;
+    constexpr float kKd = 0.15f;
+    constexpr float kD = 1.0f - kKs;
+
+    const vec3 c = glm::max(color, vec3(0.0f));
+    const float x = std::min({c.r, c.g, c.b});
+    const float f = x <= 2.0f * kF90 ? x - x * x / (4.0f * kF90) : kF90;
+    const vec3 toed = c - f;
+    const float p = std::max({toed.r, toed.g, toed.b});
+    if (p <= kKs) {
+        return toed;
+    }
+    const float p_n = 1.0f - kD * kD / (p + kD - kKs);
+    const float g = 1.0f / (kKd * (p - p_n) + 1.0f);
+    return glm::min(toed * (p_n / p * g) + p_n * (1.0f - g), vec3(1.0f));
+}
+
+float srgbFromLinear(float linear) {
+    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+}
+
+Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure) {
+    const float stops = exposure ? *exposure : autoExposure(image);
+    const float scale = std::exp2(std::clamp(stops, -kMaxStops, kMaxStops));
+    Image<Rgb8> display(image.width, image.height);
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+        if (!isFinite(image.pixels[i])) {
+            display.pixels[i] = {255, 0, 255};
+            continue;
+        }
+        // Exposing may overflow where the pixel itself is finite; the curve is flat far below.
+        const vec3 mapped = toneMap(glm::min(image.pixels[i] * scale, vec3(1e30f)));
+        display.pixels[i] = {byteFromUnit(srgbFromLinear(mapped.r)),
+                             byteFromUnit(srgbFromLinear(mapped.g)),
+                             byteFromUnit(srgbFromLinear(mapped.b))};
+    }
+    return display;
+}
+
+}  // namespace sheen

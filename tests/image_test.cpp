@@ -1,0 +1,557 @@
+// Files: round trips, layers, clamping, atomicity, malformed input. Tone map: closed forms.
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <gtest/gtest.h>
+#include <png.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "image/atomic_file.h"
+#include "image/exr.h"
+#include "image/png.h"
+
+namespace sheen {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Half keeps 11 significant bits.
+constexpr float kHalfRelative = 1.0f / 2048.0f;
+
+class FolderTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+        folder_ = fs::temp_directory_path() / fmt::format("sheen_{}_{}", info->name(), getpid());
+        fs::create_directories(folder_);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    std::string file(const std::string& name) const { return (folder_ / name).string(); }
+    int fileCount() const {
+        return static_cast<int>(
+            std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+    }
+
+    fs::path folder_;
+};
+
+class ExrTest : public FolderTest {};
+class AtomicFileTest : public FolderTest {};
+class PngTest : public FolderTest {};
+
+std::string textOf(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+void writeText(const std::string& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+// Runs `act`, which must throw an Error with `code` whose message is one line holding `part`.
+void expectError(ExitCode code, const std::string& part, const std::function<void()>& act) {
+    try {
+        act();
+        FAIL() << "no error";
+    } catch (const Error& error) {
+        const std::string message = error.what();
+        EXPECT_EQ(error.code(), code) << message;
+        EXPECT_NE(message.find(part), std::string::npos) << message;
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+}
+
+Image<vec3> colors(int width, int height, float scale) {
+    Image<vec3> image(width, height);
+    for (int i = 0; i < image.count(); ++i) {
+        image.pixels[static_cast<size_t>(i)] =
+            scale * vec3(1.0f + static_cast<float>(i), 0.3f * static_cast<float>(i), 1.0f / 3.0f);
+    }
+    return image;
+}
+
+constexpr int kWidth = 7;
+constexpr int kHeight = 5;
+
+Frame basicFrame() {
+    Frame frame;
+    frame.direct = colors(kWidth, kHeight, 1.0f);
+    frame.indirect = colors(kWidth, kHeight, 0.5f);
+    frame.emission = colors(kWidth, kHeight, 0.25f);
+    frame.primitive = Image<uint32_t>(kWidth, kHeight, 16777217u);  // not a float's integer
+    frame.primitive.at(3, 2) = kNoPrimitive;
+    return frame;
+}
+
+Frame fullFrame() {
+    Frame frame = basicFrame();
+    frame.indirect_diffuse = colors(kWidth, kHeight, 0.1f);
+    frame.albedo = Image<vec3>(kWidth, kHeight, vec3(0.5f));
+    frame.normal = Image<vec3>(kWidth, kHeight, vec3(0.0f, 0.6f, 0.8f));
+    frame.position = colors(kWidth, kHeight, 1000.1f);
+    frame.roughness = Image<float>(kWidth, kHeight, 0.5f);
+    frame.depth = Image<float>(kWidth, kHeight, 1234.567f);
+    frame.depth.at(3, 2) = kInfinity;
+    frame.weight = Image<float>(kWidth, kHeight, 1e6f);
+    frame.records = Image<float>(kWidth, kHeight, 2049.0f);
+    return frame;
+}
+
+Frame referenceFrame() {
+    Frame frame = fullFrame();
+    frame.indirect_variance = colors(kWidth, kHeight, 1e-9f);
+    frame.indirect_diffuse_variance = colors(kWidth, kHeight, 1e-10f);
+    frame.direct_variance = colors(kWidth, kHeight, 1e-11f);
+    return frame;
+}
+
+void expectNear(const Image<vec3>& a, const Image<vec3>& b, float relative) {
+    ASSERT_EQ(a.pixels.size(), b.pixels.size());
+    for (size_t i = 0; i < a.pixels.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            ASSERT_NEAR(a.pixels[i][c], b.pixels[i][c], relative * std::abs(b.pixels[i][c]));
+        }
+    }
+}
+
+TEST_F(ExrTest, basicRoundTrip) {
+    const Frame frame = basicFrame();
+    writeExr(file("a.exr"), frame, ExrLayers::kBasic);
+    const LoadedExr exr = readExr(file("a.exr"));
+    EXPECT_EQ(exr.width, kWidth);
+    EXPECT_EQ(exr.height, kHeight);
+    expectNear(colorLayer(exr, "direct"), frame.direct, kHalfRelative);
+    expectNear(colorLayer(exr, "indirect"), frame.indirect, kHalfRelative);
+    expectNear(colorLayer(exr, "beauty"), beauty(frame), kHalfRelative);
+    EXPECT_EQ(primitiveLayer(exr).pixels, frame.primitive.pixels);
+    EXPECT_EQ(exr.scalars.at("A").at(3, 2), 0.0f);
+    EXPECT_EQ(exr.scalars.at("A").at(2, 2), 1.0f);
+    EXPECT_EQ(fileCount(), 1);
+}
+
+TEST_F(ExrTest, beautyIsTheSumOfItsLayers) {
+    const Frame frame = basicFrame();
+    expectNear(beauty(frame), colors(kWidth, kHeight, 1.75f), 1e-6f);
+    Frame only_direct;
+    only_direct.direct = frame.direct;
+    only_direct.primitive = frame.primitive;
+    expectNear(beauty(only_direct), frame.direct, 0.0f);
+}
+
+TEST_F(ExrTest, basicLeavesOutWhatOnlyAllHolds) {
+    writeExr(file("basic.exr"), fullFrame(), ExrLayers::kBasic);
+    writeExr(file("all.exr"), fullFrame(), ExrLayers::kAll);
+    const LoadedExr basic = readExr(file("basic.exr"));
+    const LoadedExr all = readExr(file("all.exr"));
+    for (const char* layer : {"indirect_diffuse", "emission", "albedo", "normal", "position"}) {
+        EXPECT_EQ(basic.colors.count(layer), 0u) << layer;
+        EXPECT_EQ(all.colors.count(layer), 1u) << layer;
+    }
+    for (const char* channel : {"roughness.Y", "depth.Z", "weight.Y", "records.Y"}) {
+        EXPECT_EQ(basic.scalars.count(channel), 0u) << channel;
+        EXPECT_EQ(all.scalars.count(channel), 1u) << channel;
+    }
+    EXPECT_EQ(all.colors.count("variance"), 0u);
+}
+
+TEST_F(ExrTest, geometryIsExact) {
+    const Frame frame = fullFrame();
+    writeExr(file("a.exr"), frame, ExrLayers::kAll);
+    const LoadedExr exr = readExr(file("a.exr"));
+    EXPECT_EQ(colorLayer(exr, "position").pixels, frame.position.pixels);
+    EXPECT_EQ(exr.scalars.at("depth.Z").pixels, frame.depth.pixels);
+    EXPECT_EQ(exr.scalars.at("weight.Y").pixels, frame.weight.pixels);
+    EXPECT_EQ(exr.scalars.at("records.Y").pixels, frame.records.pixels);
+}
+
+TEST_F(ExrTest, channelTypes) {
+    writeExr(file("cached.exr"), fullFrame(), ExrLayers::kAll);
+    writeExr(file("reference.exr"), referenceFrame(), ExrLayers::kAll);
+    const Imf::InputFile cached(file("cached.exr").c_str());
+    const Imf::InputFile reference(file("reference.exr").c_str());
+    EXPECT_EQ(cached.header().channels()["indirect.G"].type, Imf::HALF);
+    EXPECT_EQ(reference.header().channels()["indirect.G"].type, Imf::FLOAT);
+    EXPECT_EQ(cached.header().channels()["depth.Z"].type, Imf::FLOAT);
+    EXPECT_EQ(cached.header().channels()["primitive.id"].type, Imf::UINT);
+    EXPECT_EQ(cached.header().compression(), Imf::ZIP_COMPRESSION);
+}
+
+TEST_F(ExrTest, referenceIsExactAndBringsItsVariances) {
+    const Frame frame = referenceFrame();
+    writeExr(file("a.exr"), frame, ExrLayers::kBasic);
+    const LoadedExr exr = readExr(file("a.exr"));
+    EXPECT_EQ(colorLayer(exr, "indirect").pixels, frame.indirect.pixels);
+    EXPECT_EQ(colorLayer(exr, "indirect_diffuse").pixels, frame.indirect_diffuse.pixels);
+    EXPECT_EQ(colorLayer(exr, "variance").pixels, frame.indirect_variance.pixels);
+    EXPECT_EQ(colorLayer(exr, "variance_diffuse").pixels, frame.indirect_diffuse_variance.pixels);
+    EXPECT_EQ(colorLayer(exr, "variance_direct").pixels, frame.direct_variance.pixels);
+}
+
+TEST_F(ExrTest, valuesBeyondHalfClampAndAreCounted) {
+    Frame frame = basicFrame();
+    frame.indirect.at(0, 0) = vec3(1e6f, -1e6f, kInfinity);
+    testing::internal::CaptureStderr();
+    writeExr(file("a.exr"), frame, ExrLayers::kBasic);
+    // The same three values, and the beauty's.
+    EXPECT_NE(testing::internal::GetCapturedStderr().find(": 6 values"), std::string::npos);
+    const LoadedExr exr = readExr(file("a.exr"));
+    EXPECT_EQ(colorLayer(exr, "indirect").at(0, 0), vec3(65504.0f, -65504.0f, 65504.0f));
+}
+
+TEST_F(ExrTest, notANumberStaysVisible) {
+    Frame frame = basicFrame();
+    frame.indirect.at(1, 1).y = std::nanf("");
+    writeExr(file("a.exr"), frame, ExrLayers::kBasic);
+    const LoadedExr exr = readExr(file("a.exr"));
+    EXPECT_TRUE(std::isnan(colorLayer(exr, "indirect").at(1, 1).y));
+}
+
+TEST_F(ExrTest, onePixel) {
+    Frame frame;
+    frame.primitive = Image<uint32_t>(1, 1, kNoPrimitive);
+    frame.direct = Image<vec3>(1, 1, vec3(2.0f));
+    writeExr(file("a.exr"), frame, ExrLayers::kAll);
+    EXPECT_EQ(colorLayer(readExr(file("a.exr")), "beauty").at(0, 0), vec3(2.0f));
+}
+
+TEST_F(ExrTest, readsFilesThatAreNotInTheWay) {
+    writeText(file("a.exr"), "an older file, longer than nothing");
+    writeExr(file("a.exr"), basicFrame(), ExrLayers::kBasic);
+    EXPECT_EQ(readExr(file("a.exr")).width, kWidth);
+    EXPECT_EQ(fileCount(), 1);
+}
+
+TEST_F(ExrTest, layersOfDifferentSizesAreABug) {
+    Frame frame = basicFrame();
+    frame.indirect = Image<vec3>(kWidth + 1, kHeight);
+    EXPECT_THROW(writeExr(file("a.exr"), frame, ExrLayers::kBasic), std::logic_error);
+    EXPECT_EQ(fileCount(), 0);
+}
+
+TEST_F(ExrTest, readRejectsMissing) {
+    expectError(ExitCode::kInput, "no such file", [&] { readExr(file("none.exr")); });
+}
+
+TEST_F(ExrTest, readRejectsFolder) {
+    expectError(ExitCode::kInput, "is a directory", [&] { readExr(folder_.string()); });
+}
+
+TEST_F(ExrTest, readRejectsOtherFormats) {
+    writeText(file("a.exr"), "not an image");
+    expectError(ExitCode::kInput, "not an EXR file", [&] { readExr(file("a.exr")); });
+    writeText(file("empty.exr"), "");
+    expectError(ExitCode::kInput, "not an EXR file", [&] { readExr(file("empty.exr")); });
+}
+
+TEST_F(ExrTest, readRejectsEveryTruncation) {
+    writeExr(file("a.exr"), fullFrame(), ExrLayers::kAll);
+    const std::string whole = textOf(file("a.exr"));
+    for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 97) {
+        writeText(file("cut.exr"), whole.substr(0, size));
+        EXPECT_THROW(readExr(file("cut.exr")), Error) << size << " of " << whole.size();
+    }
+}
+
+TEST_F(ExrTest, readSurvivesDamage) {
+    writeExr(file("a.exr"), fullFrame(), ExrLayers::kAll);
+    const std::string whole = textOf(file("a.exr"));
+    for (size_t at = 0; at < whole.size(); at += 1 + whole.size() / 199) {
+        std::string damaged = whole;
+        damaged[at] = static_cast<char>(damaged[at] ^ 0x5a);
+        writeText(file("damaged.exr"), damaged);
+        try {
+            readExr(file("damaged.exr"));
+        } catch (const Error&) {
+            // Either answer is right: some bytes are pixels, and no checksum covers the header.
+        }
+    }
+}
+
+TEST_F(ExrTest, missingLayersAreNamed) {
+    Frame frame = basicFrame();
+    frame.indirect = {};
+    writeExr(file("a.exr"), frame, ExrLayers::kBasic);
+    const LoadedExr exr = readExr(file("a.exr"));
+    expectError(ExitCode::kInput, "no layer 'indirect'; the file has: beauty, direct",
+                [&] { colorLayer(exr, "indirect"); });
+}
+
+// A file of another program: `names` as float channels, with a data window off the origin.
+void writeForeign(const std::string& path, const std::vector<std::string>& names) {
+    constexpr int kSide = 4;
+    const Imath::Box2i window({-3, 5}, {-3 + kSide - 1, 5 + kSide - 1});
+    Imf::Header header(window, window);
+    Imf::FrameBuffer pixels;
+    std::vector<float> values(kSide * kSide);
+    for (size_t i = 0; i < values.size(); ++i) {
+        values[i] = static_cast<float>(i);
+    }
+    for (const std::string& name : names) {
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        char* base = reinterpret_cast<char*>(values.data()) -
+                     static_cast<ptrdiff_t>(sizeof(float)) * (window.min.x + window.min.y * kSide);
+        pixels.insert(name, Imf::Slice(Imf::FLOAT, base, sizeof(float), kSide * sizeof(float)));
+    }
+    Imf::OutputFile output(path.c_str(), header);
+    output.setFrameBuffer(pixels);
+    output.writePixels(kSide);
+}
+
+TEST_F(ExrTest, readsOtherProgramsFiles) {
+    writeForeign(file("a.exr"),
+                 {"R", "G", "B", "mask", "view.left.R", "view.left.G", "view.left.B"});
+    const LoadedExr exr = readExr(file("a.exr"));
+    EXPECT_EQ(colorLayer(exr, "beauty").at(1, 2), vec3(9.0f));
+    EXPECT_EQ(colorLayer(exr, "view.left").at(3, 3), vec3(15.0f));
+    EXPECT_EQ(exr.scalars.at("mask").at(0, 1), 4.0f);
+    expectError(ExitCode::kInput, "no channel 'primitive.id'", [&] { primitiveLayer(exr); });
+}
+
+TEST_F(ExrTest, readRejectsIncompleteLayers) {
+    writeForeign(file("a.exr"), {"indirect.R", "indirect.B"});
+    expectError(ExitCode::kInput, "layer 'indirect' lacks one of the channels R, G, B",
+                [&] { readExr(file("a.exr")); });
+}
+
+TEST_F(AtomicFileTest, appearsOnlyWhenCommitted) {
+    {
+        AtomicFile out(file("a"));
+        out.write("text");
+        EXPECT_FALSE(fs::exists(file("a")));
+        out.commit();
+    }
+    EXPECT_EQ(textOf(file("a")), "text");
+    EXPECT_EQ(fileCount(), 1);
+}
+
+TEST_F(AtomicFileTest, abandonedLeavesWhatWasThere) {
+    writeText(file("a"), "old");
+    {
+        AtomicFile out(file("a"));
+        out.write("new");
+    }
+    EXPECT_EQ(textOf(file("a")), "old");
+    EXPECT_EQ(fileCount(), 1);
+}
+
+TEST_F(AtomicFileTest, writesThroughSymbolicLinks) {
+    fs::create_directory(file("there"));
+    writeText(file("there/target"), "old");
+    fs::create_symlink("there/target", file("link"));
+    AtomicFile out(file("link"));
+    out.write("new");
+    out.commit();
+    EXPECT_TRUE(fs::is_symlink(file("link")));
+    EXPECT_EQ(textOf(file("there/target")), "new");
+}
+
+TEST_F(AtomicFileTest, keepsPermissions) {
+    writeText(file("a"), "old");
+    fs::permissions(file("a"), fs::perms::owner_read | fs::perms::owner_write);
+    AtomicFile out(file("a"));
+    out.commit();
+    EXPECT_EQ(fs::status(file("a")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST_F(AtomicFileTest, longestName) {
+    const std::string name = file(std::string(255, 'n'));
+    AtomicFile out(name);
+    out.commit();
+    EXPECT_TRUE(fs::exists(name));
+}
+
+TEST_F(AtomicFileTest, seekOverwrites) {
+    AtomicFile out(file("a"));
+    out.write("0000text");
+    out.seek(0);
+    out.write("size");
+    EXPECT_EQ(out.position(), 4u);
+    out.commit();
+    EXPECT_EQ(textOf(file("a")), "sizetext");
+}
+
+TEST_F(AtomicFileTest, refusesWhatIsNoFile) {
+    expectError(ExitCode::kEnvironment, "is a directory",
+                [&] { AtomicFile out(folder_.string()); });
+    expectError(ExitCode::kEnvironment, "not a regular file", [] { AtomicFile out("/dev/null"); });
+    expectError(ExitCode::kEnvironment, "No such file or directory",
+                [&] { AtomicFile out(file("none/a")); });
+    expectError(ExitCode::kEnvironment, "Not a directory", [&] {
+        writeText(file("plain"), "");
+        AtomicFile out(file("plain/a"));
+    });
+    expectError(ExitCode::kEnvironment, "without a name", [] { AtomicFile out(""); });
+}
+
+TEST_F(AtomicFileTest, checkWritableLeavesNothing) {
+    checkWritable(file("a"));
+    EXPECT_EQ(fileCount(), 0);
+}
+
+TEST_F(AtomicFileTest, signalCleansUp) {
+    AtomicFile out(file("a"));
+    EXPECT_EQ(fileCount(), 1);
+    removePendingTemporaries();
+    EXPECT_EQ(fileCount(), 0);
+}
+
+TEST_F(AtomicFileTest, fullDiskIsReportedAndLeavesNothing) {
+    // A file size limit stands in for a full disk: the write fails in the same place.
+    struct rlimit before {};
+    ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    struct rlimit small = before;
+    small.rlim_cur = 100;
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    expectError(ExitCode::kEnvironment, "a.exr: cannot write: ", [&] {
+        writeExr(file("a.exr"), fullFrame(), ExrLayers::kAll);
+    });
+    expectError(ExitCode::kEnvironment, "a.png: cannot write: ", [&] {
+        writePng(file("a.png"), colors(200, 200, 1.0f), 0.0f);
+    });
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    EXPECT_EQ(fileCount(), 0);
+}
+
+TEST_F(PngTest, roundTrip) {
+    Image<Rgb8> image(3, 2);
+    image.at(0, 0) = {255, 0, 0};
+    image.at(2, 1) = {1, 2, 3};
+    writePng(file("a.png"), image);
+    png_image png{};
+    png.version = PNG_IMAGE_VERSION;
+    ASSERT_NE(png_image_begin_read_from_file(&png, file("a.png").c_str()), 0);
+    EXPECT_EQ(png.width, 3u);
+    EXPECT_EQ(png.height, 2u);
+    png.format = PNG_FORMAT_RGB;
+    std::vector<uint8_t> bytes(PNG_IMAGE_SIZE(png));
+    ASSERT_NE(png_image_finish_read(&png, nullptr, bytes.data(), 0, nullptr), 0);
+    EXPECT_EQ(std::vector<uint8_t>(bytes.begin(), bytes.begin() + 3),
+              (std::vector<uint8_t>{255, 0, 0}));
+    EXPECT_EQ(std::vector<uint8_t>(bytes.end() - 3, bytes.end()), (std::vector<uint8_t>{1, 2, 3}));
+    EXPECT_EQ(fileCount(), 1);
+}
+
+TEST_F(PngTest, frame) {
+    writePng(file("a.png"), basicFrame(), std::nullopt);
+    EXPECT_EQ(textOf(file("a.png")).substr(1, 3), "PNG");
+}
+
+TEST(ToneMap, blackStaysBlack) {
+    EXPECT_EQ(toneMap(vec3(0.0f)), vec3(0.0f));
+    EXPECT_EQ(toneMap(vec3(-1.0f)), vec3(0.0f));
+}
+
+TEST(ToneMap, identityLessTheFresnelOffsetBelowTheShoulder) {
+    // [KhronosNeutral]: c - 0.04 while all components are above 0.08 and the largest below 0.8.
+    const vec3 mapped = toneMap(vec3(0.1f, 0.4f, 0.79f));
+    EXPECT_NEAR(mapped.r, 0.06f, 1e-6f);
+    EXPECT_NEAR(mapped.g, 0.36f, 1e-6f);
+    EXPECT_NEAR(mapped.b, 0.75f, 1e-6f);
+}
+
+TEST(ToneMap, toeIsQuadratic) {
+    // Grey below 0.08: x^2 / (4 * 0.04).
+    EXPECT_NEAR(toneMap(vec3(0.04f)).r, 0.01f, 1e-7f);
+}
+
+TEST(ToneMap, shoulder) {
+    // White 1: p = 0.96, p_n = 1 - 0.24^2 / 0.44; grey is not changed by the fade to white.
+    EXPECT_NEAR(toneMap(vec3(1.0f)).g, 1.0f - 0.0576f / 0.44f, 1e-6f);
+}
+
+TEST(ToneMap, greyIsMonotoneAndBounded) {
+    float previous = -1.0f;
+    for (float x = 0.0f; x < 1e6f; x = x * 1.01f + 1e-4f) {
+        const float y = toneMap(vec3(x)).r;
+        ASSERT_GE(y, previous) << x;
+        ASSERT_LE(y, 1.0f) << x;
+        previous = y;
+    }
+    EXPECT_GT(previous, 0.999f);
+}
+
+TEST(ToneMap, staysInGamutAndBrightSaturatedColoursFadeToWhite) {
+    for (float scale = 1e-3f; scale < 1e30f; scale *= 3.0f) {
+        const vec3 y = toneMap(scale * vec3(1.0f, 0.2f, 0.0f));
+        for (int c = 0; c < 3; ++c) {
+            ASSERT_GE(y[c], 0.0f) << scale;
+            ASSERT_LE(y[c], 1.0f) << scale;
+        }
+        ASSERT_GE(y.r, y.g);
+        ASSERT_GE(y.g, y.b);
+    }
+    EXPECT_GT(toneMap(vec3(1e6f, 0.0f, 0.0f)).b, 0.99f);
+}
+
+TEST(ToneMap, srgb) {
+    EXPECT_EQ(srgbFromLinear(0.0f), 0.0f);
+    EXPECT_NEAR(srgbFromLinear(1.0f), 1.0f, 1e-6f);
+    EXPECT_NEAR(srgbFromLinear(0.18f), 0.46136f, 1e-4f);
+    EXPECT_NEAR(srgbFromLinear(0.0031308f), 0.04045f, 1e-5f);
+}
+
+TEST(AutoExposure, bringsTheLogAverageToMiddleGrey) {
+    Image<vec3> image(2, 1, vec3(0.18f));
+    EXPECT_NEAR(autoExposure(image), 0.0f, 1e-5f);
+    image.at(0, 0) = vec3(0.36f);
+    image.at(1, 0) = vec3(0.09f);
+    EXPECT_NEAR(autoExposure(image), 0.0f, 1e-5f);
+    image.at(1, 0) = vec3(0.36f);
+    EXPECT_NEAR(autoExposure(image), -1.0f, 1e-5f);
+}
+
+TEST(AutoExposure, scalingIsUndone) {
+    Image<vec3> image = colors(5, 4, 1.0f);
+    const float stops = autoExposure(image);
+    for (vec3& pixel : image.pixels) {
+        pixel *= 1024.0f;
+    }
+    EXPECT_NEAR(autoExposure(image), stops - 10.0f, 1e-4f);
+}
+
+TEST(AutoExposure, ignoresBlackAndNonFinitePixels) {
+    Image<vec3> image(4, 1, vec3(0.18f));
+    image.at(1, 0) = vec3(0.0f);
+    image.at(2, 0) = vec3(std::nanf(""));
+    image.at(3, 0) = vec3(kInfinity);
+    EXPECT_NEAR(autoExposure(image), 0.0f, 1e-5f);
+    EXPECT_EQ(autoExposure(Image<vec3>(2, 2)), 0.0f);
+    EXPECT_EQ(autoExposure(Image<vec3>()), 0.0f);
+}
+
+TEST(DisplayImage, exposureIsInStops) {
+    const Image<vec3> image(1, 1, vec3(0.1f));
+    const Image<vec3> twice(1, 1, vec3(0.2f));
+    EXPECT_EQ(displayImage(image, 1.0f).at(0, 0).r, displayImage(twice, 0.0f).at(0, 0).r);
+    EXPECT_GT(displayImage(image, 1.0f).at(0, 0).r, displayImage(image, 0.0f).at(0, 0).r);
+}
+
+TEST(DisplayImage, nonFinitePixelsAreMagenta) {
+    const Image<vec3> image(1, 1, vec3(0.1f, std::nanf(""), 0.1f));
+    const Rgb8 pixel = displayImage(image, 0.0f).at(0, 0);
+    EXPECT_EQ(pixel.r, 255);
+    EXPECT_EQ(pixel.g, 0);
+    EXPECT_EQ(pixel.b, 255);
+}
+
+TEST(DisplayImage, extremeExposure) {
+    const Image<vec3> image(1, 1, vec3(0.1f));
+    EXPECT_EQ(displayImage(image, 1e9f).at(0, 0).g, 255);
+    EXPECT_EQ(displayImage(image, -1e9f).at(0, 0).g, 0);
+}
+
+}  // namespace
+}  // namespace sheen
