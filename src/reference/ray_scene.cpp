@@ -1,0 +1,141 @@
+#include "reference/ray_scene.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/error.h"
+#include "scene/brdf_albedo.h"
+
+namespace sheen {
+namespace {
+
+// A ray leaves its surface by this many units in the last place of the triangle's largest
+// coordinate. Rounding a hit to float errs by half a unit; Embree's plane test by a few units of
+// the distance from the origin to the triangle's vertices, which is at most two such coordinates.
+// Being relative, it is the same fraction of the scene whatever the scene's scale.
+constexpr float kOffsetUlps = 32.0f;
+constexpr float kUlp = 0x1p-23f;
+
+float maxAbs(const vec3& p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
+
+RTCRay makeRay(const vec3& origin, const vec3& direction, float tfar) {
+    RTCRay ray{};
+    ray.org_x = origin.x;
+    ray.org_y = origin.y;
+    ray.org_z = origin.z;
+    ray.dir_x = direction.x;
+    ray.dir_y = direction.y;
+    ray.dir_z = direction.z;
+    ray.tnear = 0.0f;
+    ray.tfar = tfar;
+    ray.mask = 0xffffffffu;
+    return ray;
+}
+
+void checkEmbree(RTCDevice device, const char* doing) {
+    const RTCError error = rtcGetDeviceError(device);
+    if (error != RTC_ERROR_NONE) {
+        throwEnvironment("Embree failed while {} (error {}{})", doing, static_cast<int>(error),
+                         error == RTC_ERROR_OUT_OF_MEMORY ? ", out of memory" : "");
+    }
+}
+
+}  // namespace
+
+RayScene::RayScene(const Scene& scene) : scene_(scene) {
+    n_g_.reserve(scene.triangles.size());
+    for (int i = 0; i < scene.triangleCount(); ++i) {
+        n_g_.push_back(geometricNormal(scene, i));
+    }
+    // Embree's parallel build orders primitives by the number of threads, and the order decides
+    // which of two triangles owns a ray through their common edge. One thread builds: the image
+    // never depends on the thread count.
+    tbb::task_arena one_thread(1);
+    one_thread.execute([this] { build(); });
+}
+
+void RayScene::build() {
+    device_.reset(rtcNewDevice(nullptr));
+    if (!device_) {
+        throwEnvironment("Embree cannot start (error {})",
+                         static_cast<int>(rtcGetDeviceError(nullptr)));
+    }
+    embree_.reset(rtcNewScene(device_.get()));
+    rtcSetSceneFlags(embree_.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(embree_.get(), RTC_BUILD_QUALITY_MEDIUM);
+    if (!scene_.triangles.empty()) {
+        RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+        void* vertices =
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                    sizeof(vec3), scene_.positions.size());
+        void* indices =
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                    sizeof(uvec3), scene_.triangles.size());
+        checkEmbree(device_.get(), "allocating the geometry");
+        std::memcpy(vertices, scene_.positions.data(), scene_.positions.size() * sizeof(vec3));
+        std::memcpy(indices, scene_.triangles.data(), scene_.triangles.size() * sizeof(uvec3));
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(embree_.get(), geometry);
+        rtcReleaseGeometry(geometry);
+    }
+    rtcCommitScene(embree_.get());
+    checkEmbree(device_.get(), "building the acceleration structure");
+}
+
+RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit ray{};
+    ray.ray = makeRay(origin, direction, kInfinity);
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(embree_.get(), &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        return {};
+    }
+    return {.triangle = ray.hit.primID, .u = ray.hit.u, .v = ray.hit.v};
+}
+
+bool RayScene::occluded(const vec3& origin, const vec3& direction, float distance) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRay ray = makeRay(origin, direction, distance);
+    rtcOccluded1(embree_.get(), &context, &ray);
+    return ray.tfar < 0.0f;  // Embree's sign for "something was hit"
+}
+
+Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
+    const uvec3& t = scene_.triangles[hit.triangle];
+    const vec3 &p0 = scene_.positions[t.x], &p1 = scene_.positions[t.y],
+               &p2 = scene_.positions[t.z];
+    Surface s;
+    s.wo = wo;
+
+    // In double, so that the point lies on the triangle's plane to within one rounding.
+    const double u = hit.u, v = hit.v;
+    s.position = vec3((1.0 - u - v) * glm::dvec3(p0) + u * glm::dvec3(p1) + v * glm::dvec3(p2));
+    s.offset = kOffsetUlps * kUlp * std::max({maxAbs(p0), maxAbs(p1), maxAbs(p2)});
+
+    // Turn both normals to the viewer.
+    const float w = 1.0f - hit.u - hit.v;
+    s.n_g = shared::faceViewer(n_g_[hit.triangle], wo);
+    const vec3 n =
+        w * scene_.normals[t.x] + hit.u * scene_.normals[t.y] + hit.v * scene_.normals[t.z];
+    const float length = glm::length(n);
+    s.n = shared::shadingNormal(length > 1e-6f ? n / length : s.n_g, s.n_g, wo);
+
+    // Look up the material.
+    const vec2 uv = w * scene_.uvs[t.x] + hit.u * scene_.uvs[t.y] + hit.v * scene_.uvs[t.z];
+    const MaterialParams material =
+        materialAt(scene_, scene_.materials[scene_.materials_of[hit.triangle]], uv);
+    const vec2 albedo_ab = brdfAlbedo(glm::dot(s.n, wo), material.roughness);
+    s.brdf = shared::makeBrdf(material, albedo_ab);
+    s.specular_albedo = s.brdf.f0 * albedo_ab.x + vec3(s.brdf.f90 * albedo_ab.y);
+    s.emission = material.emission;
+    s.roughness = material.roughness;
+    return s;
+}
+
+}  // namespace sheen

@@ -1,0 +1,73 @@
+// Rays against a scene's triangles: Embree [WWB14], robust mode, and ray origins kept off the
+// surface they leave.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <memory>
+#include <vector>
+
+#include "image/frame.h"
+#include "scene/scene.h"
+
+namespace sheen {
+
+/// What a ray meets first; barycentric coordinates of the triangle's second and third vertex.
+struct RayHit {
+    uint32_t triangle = kNoPrimitive;
+    float u = 0.0f;
+    float v = 0.0f;
+
+    bool found() const { return triangle != kNoPrimitive; }
+};
+
+/// A point of a surface as seen from direction wo: geometry and material, by the conventions all
+/// stages share (opaque, two-sided).
+struct Surface {
+    vec3 position{0.0f};  ///< world space
+    vec3 n_g{0.0f};       ///< geometric normal, unit, on the side of wo
+    vec3 n{0.0f};         ///< shading normal, unit
+    vec3 wo{0.0f};        ///< unit, away from the surface
+    Brdf brdf;
+    vec3 specular_albedo{0.0f};  ///< directional albedo of the specular lobe toward wo
+    vec3 emission{0.0f};         ///< nits
+    float roughness = 0.0f;      ///< perceptual
+    float offset = 0.0f;         ///< how far from the surface its rays start, scene units
+
+    /// Where a ray in direction w starts: on the side of the geometric surface that w points to.
+    vec3 rayOrigin(const vec3& w) const {
+        return position + (glm::dot(n_g, w) < 0.0f ? -offset : offset) * n_g;
+    }
+};
+
+/// The scene's acceleration structure. The scene must outlive it. Safe to use from many threads.
+class RayScene {
+  public:
+    /// Environment error where Embree cannot start or runs out of memory.
+    explicit RayScene(const Scene& scene);
+
+    /// The closest hit of origin + t * direction, t >= 0.
+    RayHit intersect(const vec3& origin, const vec3& direction) const;
+    /// Whether anything lies at t in [0, distance); direction is unit.
+    bool occluded(const vec3& origin, const vec3& direction, float distance) const;
+    /// The surface at a hit of a ray of direction -wo.
+    Surface surfaceAt(const RayHit& hit, const vec3& wo) const;
+
+    const Scene& scene() const { return scene_; }
+
+  private:
+    struct ReleaseDevice {
+        void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    };
+    struct ReleaseScene {
+        void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+    };
+    void build();
+
+    const Scene& scene_;
+    std::vector<vec3> n_g_;  ///< [triangle], unit, by winding
+    std::unique_ptr<RTCDeviceTy, ReleaseDevice> device_;
+    std::unique_ptr<RTCSceneTy, ReleaseScene> embree_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,249 @@
+#include "reference/reference.h"
+
+#include <atomic>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+#include "reference/ray_scene.h"
+#include "reference/sampling.h"
+#include "reference/sobol.h"
+
+namespace sheen {
+namespace {
+
+using glm::dvec3;
+
+// A shadow ray ends this fraction short of its light: a light lying on a surface is not hidden by
+// it.
+constexpr float kShadowRayShare = 1.0f - 1e-5f;
+
+struct Counters {
+    int64_t rays = 0;
+    int64_t nonfinite = 0;
+};
+
+bool finite(const vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool black(const vec3& v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
+
+// Radiance that punctual lights send from the surface toward its wo.
+vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) {
+    vec3 sum(0.0f);
+    for (const PunctualLight& light : rays.scene().lights) {
+        const LightSample sample = shared::sampleLight(light, s.position);
+        const float NoL = glm::dot(s.n, sample.wi);
+        if (NoL <= 0.0f || glm::dot(s.n_g, sample.wi) <= 0.0f) {
+            continue;
+        }
+        const vec3 radiance =
+            shared::evalBrdf(s.brdf, s.n, s.wo, sample.wi) * sample.irradiance * NoL;
+        if (black(radiance)) {
+            continue;
+        }
+        ++counters.rays;
+        const vec3 origin = s.rayOrigin(sample.wi);
+        bool hidden = false;
+        if (sample.distance < 0.0f) {
+            hidden = rays.occluded(origin, sample.wi, kInfinity);
+        } else {
+            const vec3 to_light = light.position - origin;
+            const float distance = glm::length(to_light);
+            hidden = distance > 0.0f &&
+                     rays.occluded(origin, to_light / distance, distance * kShadowRayShare);
+        }
+        if (!hidden) {
+            sum += radiance;
+        }
+    }
+    return sum;
+}
+
+// One sample of the indirect radiance, and of its diffuse part.
+struct Indirect {
+    vec3 all{0.0f};
+    vec3 diffuse{0.0f};
+};
+
+Indirect samplePath(const RayScene& rays, const Surface& p, const BrdfSampler& p_sampler,
+                    int bounces, uint32_t index, uint32_t seed, Counters& counters) {
+    const DirectionSample first = sampleBrdf(p_sampler, p.brdf, p.n, p.wo, owenSobol(index, seed));
+    if (bounces == 0 || black(first.weight)) {
+        return {};
+    }
+    ++counters.rays;
+    RayHit hit = rays.intersect(p.rayOrigin(first.wi), first.wi);
+    vec3 wi = first.wi;
+    vec3 throughput(1.0f);
+    vec3 radiance(0.0f);
+    for (int bounce = 1; hit.found(); ++bounce) {
+        const Surface q = rays.surfaceAt(hit, -wi);
+        radiance += throughput * (q.emission + directRadiance(rays, q, counters));
+        if (bounce == bounces) {
+            break;
+        }
+
+        // Continue the path from q.
+        const BrdfSampler sampler(q.brdf, q.specular_albedo, q.n, q.wo);
+        const vec2 u = owenSobol(index, hashCombine(seed, static_cast<uint32_t>(bounce)));
+        const DirectionSample next = sampleBrdf(sampler, q.brdf, q.n, q.wo, u);
+        if (black(next.weight)) {
+            break;
+        }
+        throughput *= next.weight;
+        wi = next.wi;
+        ++counters.rays;
+        hit = rays.intersect(q.rayOrigin(wi), wi);
+    }
+    return {.all = first.weight * radiance, .diffuse = first.diffuse * radiance};
+}
+
+// Mean and variance of the mean of independent, equally good estimates.
+struct Replicates {
+    int count = 0;
+    dvec3 mean{0.0};
+    dvec3 squares{0.0};  // sum of squared deviations from the mean [Wel62]
+
+    void add(const dvec3& value) {
+        ++count;
+        const dvec3 delta = value - mean;
+        mean += delta / static_cast<double>(count);
+        squares += delta * (value - mean);
+    }
+    vec3 varianceOfMean() const {
+        return vec3(squares / (static_cast<double>(count) * (count - 1)));
+    }
+};
+
+struct Context {
+    const RayScene& rays;
+    const ReferenceParams& params;
+    int samples_per_replicate;
+};
+
+void estimateIndirect(const Context& context, const Surface& p, int x, int y, Frame& frame,
+                      Counters& counters) {
+    const ReferenceParams& params = context.params;
+    const BrdfSampler sampler(p.brdf, p.specular_albedo, p.n, p.wo);
+    const uint32_t pixel_seed = hashCombine(
+        hashCombine(hash32(params.seed), static_cast<uint32_t>(x)), static_cast<uint32_t>(y));
+    Replicates all, diffuse;
+    for (int replicate = 0; replicate < params.replicates; ++replicate) {
+        const uint32_t seed = hashCombine(pixel_seed, static_cast<uint32_t>(replicate));
+        dvec3 all_sum(0.0), diffuse_sum(0.0);
+        for (int i = 0; i < context.samples_per_replicate; ++i) {
+            const Indirect sample = samplePath(context.rays, p, sampler, params.bounces,
+                                               static_cast<uint32_t>(i), seed, counters);
+            if (!finite(sample.all) || !finite(sample.diffuse)) {
+                ++counters.nonfinite;
+                continue;
+            }
+            all_sum += dvec3(sample.all);
+            diffuse_sum += dvec3(sample.diffuse);
+        }
+        const double samples = context.samples_per_replicate;
+        all.add(all_sum / samples);
+        diffuse.add(diffuse_sum / samples);
+    }
+    frame.indirect.at(x, y) = vec3(all.mean);
+    frame.indirect_variance.at(x, y) = all.varianceOfMean();
+    frame.indirect_diffuse.at(x, y) = vec3(diffuse.mean);
+    frame.indirect_diffuse_variance.at(x, y) = diffuse.varianceOfMean();
+}
+
+void renderPixel(const Context& context, int x, int y, Frame& frame, Counters& counters) {
+    const ReferenceParams& params = context.params;
+    const CameraRay ray = cameraRay(params.camera, params.width, params.height,
+                                    static_cast<float>(x), static_cast<float>(y));
+    ++counters.rays;
+    const RayHit hit = context.rays.intersect(ray.origin, ray.direction);
+    if (!hit.found()) {
+        return;
+    }
+    const Surface p = context.rays.surfaceAt(hit, -ray.direction);
+    const vec3 forward = -vec3(params.camera.world_from_camera[2]);
+    frame.primitive.at(x, y) = hit.triangle;
+    frame.depth.at(x, y) = glm::dot(p.position - ray.origin, forward);
+    frame.position.at(x, y) = p.position;
+    frame.normal.at(x, y) = p.n;
+    frame.albedo.at(x, y) = p.brdf.diffuse;
+    frame.roughness.at(x, y) = p.roughness;
+    frame.emission.at(x, y) = p.emission;
+    const vec3 direct = directRadiance(context.rays, p, counters);
+    if (finite(direct)) {
+        frame.direct.at(x, y) = direct;
+    } else {
+        ++counters.nonfinite;
+    }
+    estimateIndirect(context, p, x, y, frame, counters);
+}
+
+Frame emptyFrame(int width, int height) {
+    Frame frame;
+    for (Image<vec3>* layer :
+         {&frame.direct, &frame.indirect, &frame.indirect_diffuse, &frame.emission, &frame.albedo,
+          &frame.normal, &frame.position, &frame.indirect_variance,
+          &frame.indirect_diffuse_variance, &frame.direct_variance}) {
+        *layer = Image<vec3>(width, height, vec3(0.0f));
+    }
+    frame.roughness = Image<float>(width, height, 0.0f);
+    frame.depth = Image<float>(width, height, kInfinity);
+    frame.primitive = Image<uint32_t>(width, height, kNoPrimitive);
+    return frame;
+}
+
+void checkParams(const ReferenceParams& params) {
+    if (params.width < 1 || params.height < 1) {
+        throwUsage("image size {}x{}: both must be at least 1", params.width, params.height);
+    }
+    if (params.spp < 1) {
+        throwUsage("--spp {}: must be at least 1", params.spp);
+    }
+    if (params.bounces < 0) {
+        throwUsage("--bounces {}: must not be negative", params.bounces);
+    }
+    SHEEN_CHECK(params.replicates >= 2);
+}
+
+}  // namespace
+
+ReferenceResult renderReference(const Scene& scene, const ReferenceParams& params) {
+    checkParams(params);
+    const Timer timer;
+    const RayScene rays(scene);
+    const Context context{
+        .rays = rays,
+        .params = params,
+        .samples_per_replicate = (params.spp + params.replicates - 1) / params.replicates};
+
+    ReferenceResult result;
+    result.spp = context.samples_per_replicate * params.replicates;
+    result.frame = emptyFrame(params.width, params.height);
+    std::atomic<int64_t> ray_count{0};
+    std::atomic<int64_t> nonfinite{0};
+    Progress progress("path tracing", params.height, params.quiet);
+    parallelFor(params.height, [&](int y) {
+        Counters counters;
+        for (int x = 0; x < params.width; ++x) {
+            renderPixel(context, x, y, result.frame, counters);
+        }
+        ray_count += counters.rays;
+        nonfinite += counters.nonfinite;
+        progress.advance();
+    });
+
+    result.rays = ray_count;
+    result.nonfinite_samples = nonfinite;
+    result.seconds = timer.seconds();
+    result.mrays_per_second = 1e-6 * static_cast<double>(result.rays) / result.seconds;
+    if (result.nonfinite_samples > 0) {
+        warn(fmt::format("path tracing dropped {} samples that were not finite",
+                         result.nonfinite_samples));
+    }
+    return result;
+}
+
+}  // namespace sheen

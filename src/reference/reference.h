@@ -1,0 +1,47 @@
+// The independent judge: a path tracer that computes what the cache approximates, with the variance
+// of its own answer. It shares only the scene and the BRDF with the rest.
+//
+// At the point p of each pixel's centre
+//   indirect(p) = integral over the hemisphere of the shading normal of
+//                 f cos [direct(q -> p) + Le(q)],    q: the first surface seen in that direction,
+//   direct(q -> p) = sum over punctual lights of f cos * irradiance * visibility.
+// More bounces continue the path from q to a fixed depth. Emitting triangles are not lights here:
+// they are found by gather rays only, so Le always counts, once.
+// Based on: [Kaj86], sampled by sampling.h at the points of sobol.h.
+#pragma once
+
+#include <cstdint>
+
+#include "image/frame.h"
+#include "scene/scene.h"
+
+namespace sheen {
+
+struct ReferenceParams {
+    int width = 512;
+    int height = 512;
+    Camera camera;
+    int bounces = 1;      ///< 1: exactly the integral above; 0: no indirect light
+    int spp = 256;        ///< gather paths a pixel; rounded up to a multiple of `replicates`.
+                          ///< Powers of two a replicate are stratified best.
+    int replicates = 16;  ///< independent estimates the variance is taken from, at least 2
+    uint32_t seed = 0;
+    bool quiet = false;  ///< no progress
+};
+
+struct ReferenceResult {
+    /// All layers but the cache's. Variances are of the mean, [pixel], per channel, in nits^2;
+    /// that of `direct`, which has no sampling, is 0.
+    Frame frame;
+    double mrays_per_second = 0.0;  ///< camera, gather and shadow rays, in millions
+    double seconds = 0.0;           ///< wall clock, building the acceleration structure included
+    int spp = 0;                    ///< paths a pixel after rounding
+    int64_t rays = 0;
+    int64_t nonfinite_samples = 0;  ///< paths dropped because their radiance was not finite
+};
+
+/// Renders the reference. The same bits for any number of threads. Usage error for a size, number
+/// of samples or bounces out of range; environment error where Embree fails.
+ReferenceResult renderReference(const Scene& scene, const ReferenceParams& params);
+
+}  // namespace sheen

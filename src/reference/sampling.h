@@ -1,0 +1,109 @@
+// Directions distributed for the BRDF: a mixture of a cosine lobe and the GGX distribution of
+// visible normals, weighted by the one-sample balance heuristic. Based on: [VG95], [Hei18].
+#pragma once
+
+#include <cmath>
+
+#include "scene/ggx_sampling.h"
+#include "scene/shared.h"
+
+namespace sheen {
+
+/// Rotation whose third column is the unit vector n. [DBC17]
+inline mat3 worldFromLocal(const vec3& n) {
+    const float sign = std::copysign(1.0f, n.z);
+    const float a = -1.0f / (sign + n.z);
+    const float b = n.x * n.y * a;
+    return {vec3(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x),
+            vec3(b, sign + n.y * n.y * a, -n.y), n};
+}
+
+/// A direction of the upper hemisphere (z up) by density cos/pi per solid angle; u in [0, 1)^2.
+/// The disc is reached by the concentric map, which keeps strata compact. [SC97]
+inline vec3 sampleCosine(const vec2& u) {
+    const vec2 s = 2.0f * u - vec2(1.0f);
+    vec2 p(0.0f);
+    if (std::abs(s.x) > std::abs(s.y)) {
+        const float phi = 0.25f * kPi * (s.y / s.x);
+        p = s.x * vec2(std::cos(phi), std::sin(phi));
+    } else if (s.y != 0.0f) {
+        const float phi = 0.5f * kPi - 0.25f * kPi * (s.x / s.y);
+        p = s.y * vec2(std::cos(phi), std::sin(phi));
+    }
+    return {p.x, p.y, std::sqrt(std::max(0.0f, 1.0f - p.x * p.x - p.y * p.y))};
+}
+
+/// Density per solid angle of reflecting wo about a microfacet normal from sampleGgxVisibleNormal.
+/// [Hei18, eq. 17]
+inline float ggxReflectionPdf(const vec3& n, const vec3& wo, const vec3& wi, float alpha) {
+    const float NoV = std::max(glm::dot(n, wo), shared::MIN_COSINE);
+    // As in shared::specularLobe, digit for digit: where the lobe is so narrow that NoH is coarse,
+    // its errors cancel in f / pdf.
+    const vec3 h = glm::normalize(wo + wi);
+    const float NoH = glm::clamp(glm::dot(n, h), 0.0f, 1.0f);
+    return maskingSmith(NoV, alpha) * shared::distributionGgx(NoH, alpha) / (4.0f * NoV);
+}
+
+/// How a surface point spreads its samples; made once a point.
+struct BrdfSampler {
+    mat3 world_from_local{1.0f};
+    vec3 wo_local{0.0f};
+    float specular_share = 0.0f;  ///< of the samples, taken from the GGX lobe
+
+    /// `specular_albedo` is the specular lobe's directional albedo.
+    BrdfSampler(const shared::Brdf& brdf, const vec3& specular_albedo, const vec3& n,
+                const vec3& wo)
+        : world_from_local(worldFromLocal(n)), wo_local(wo * world_from_local) {
+        const float specular = specular_albedo.x + specular_albedo.y + specular_albedo.z;
+        const float diffuse = brdf.diffuse.x + brdf.diffuse.y + brdf.diffuse.z;
+        if (specular <= 0.0f) {
+            specular_share = 0.0f;
+        } else if (diffuse <= 0.0f) {
+            specular_share = 1.0f;
+        } else {
+            // Eighths: slicing Sobol points at dyadic places leaves each slice well stratified.
+            // A weak lobe still gets a quarter: it may show a light the cosine lobe rarely finds.
+            const float eighths = std::round(8.0f * specular / (specular + diffuse));
+            specular_share = glm::clamp(eighths, 2.0f, 7.0f) / 8.0f;
+        }
+    }
+};
+
+/// A direction, and the BRDF times cosine over its density. Both weights are 0 where the direction
+/// lies below the shading hemisphere; such a sample counts, and there is nothing to trace.
+struct DirectionSample {
+    vec3 wi{0.0f};       ///< unit, world space
+    vec3 weight{0.0f};   ///< of the whole BRDF
+    vec3 diffuse{0.0f};  ///< of its diffuse term
+};
+
+/// u in [0, 1)^2.
+inline DirectionSample sampleBrdf(const BrdfSampler& sampler, const shared::Brdf& brdf,
+                                  const vec3& n, const vec3& wo, vec2 u) {
+    constexpr float kBelowOne = 0x1.fffffep-1f;
+    const float share = sampler.specular_share;
+    vec3 wi_local;
+    if (u.x < share) {
+        u.x = std::min(u.x / share, kBelowOne);
+        const vec3 h = sampleGgxVisibleNormal(sampler.wo_local, brdf.alpha, u);
+        wi_local = 2.0f * glm::dot(sampler.wo_local, h) * h - sampler.wo_local;
+    } else {
+        u.x = std::min((u.x - share) / (1.0f - share), kBelowOne);
+        wi_local = sampleCosine(u);
+    }
+    DirectionSample s;
+    s.wi = glm::normalize(sampler.world_from_local * wi_local);
+    const float NoL = glm::dot(n, s.wi);
+    if (!(NoL > 0.0f)) {
+        return s;
+    }
+    const float specular_pdf = share > 0.0f ? ggxReflectionPdf(n, wo, s.wi, brdf.alpha) : 0.0f;
+    const float pdf = share * specular_pdf + (1.0f - share) * NoL / kPi;
+    if (pdf > 0.0f) {
+        s.weight = shared::evalBrdf(brdf, n, wo, s.wi) * (NoL / pdf);
+        s.diffuse = brdf.diffuse * (NoL / (kPi * pdf));
+    }
+    return s;
+}
+
+}  // namespace sheen

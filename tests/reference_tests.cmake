@@ -1,0 +1,1 @@
+sheen_test(reference SOURCES reference_test.cpp USES sheen_reference)
