@@ -1,0 +1,20 @@
+// The subcommands of the program, one file each. A command reads its options, calls the library and
+// prints; errors are exceptions, which main.cpp turns into one line and an exit code.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "core/error.h"
+
+namespace sheen::cli {
+
+struct Command {
+    CLI::App* options = nullptr;    ///< parsed() tells whether it was chosen
+    std::function<ExitCode()> run;  ///< owns the option values
+};
+
+Command addRender(CLI::App& program);
+Command addInfo(CLI::App& program);
+
+}  // namespace sheen::cli

@@ -1,0 +1,129 @@
+// sheen info: what a scene file holds, as Sheen reads it.
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/output.h"
+#include "scene/scene.h"
+
+namespace sheen::cli {
+namespace {
+
+constexpr float kDegreesPerRadian = 180.0f / kPi;
+
+struct InfoOptions {
+    std::string scene;
+    std::string json;
+};
+
+const char* lightKind(int kind) {
+    switch (kind) {
+        case shared::LIGHT_POINT:
+            return "point";
+        case shared::LIGHT_SPOT:
+            return "spot";
+        default:
+            return "directional";
+    }
+}
+
+Json materialJson(const Material& material) {
+    const MaterialParams& params = material.params;
+    return {{"name", material.name},
+            {"roughness", params.roughness},
+            {"alpha", shared::alphaFromRoughness(params.roughness)},
+            {"metallic", params.metallic},
+            {"base_color", jsonFrom(params.base_color)},
+            {"textured", material.base_color_texture >= 0},
+            {"emission", jsonFrom(params.emission)}};
+}
+
+Json sceneJson(const std::string& path, const Scene& scene) {
+    Json json = {{"scene", path},
+                 {"triangles", scene.triangles.size()},
+                 {"vertices", scene.positions.size()},
+                 {"materials", Json::array()},
+                 {"textures", Json::array()},
+                 {"lights", Json::array()},
+                 {"cameras", Json::array()},
+                 {"bounds", nullptr},
+                 {"warnings", scene.warnings}};
+    for (const Material& material : scene.materials) {
+        json["materials"].push_back(materialJson(material));
+    }
+    for (const Texture& texture : scene.textures) {
+        json["textures"].push_back({{"size", {texture.width, texture.height}}});
+    }
+    for (size_t i = 0; i < scene.lights.size(); ++i) {
+        const PunctualLight& light = scene.lights[i];
+        json["lights"].push_back({{"name", scene.light_names[i]},
+                                  {"kind", lightKind(light.kind)},
+                                  {"intensity", jsonFrom(light.intensity)}});
+    }
+    for (const Camera& camera : scene.cameras) {
+        json["cameras"].push_back({{"name", camera.name},
+                                   {"position", jsonFrom(vec3(camera.world_from_camera[3]))},
+                                   {"vertical_fov_degrees", camera.y_fov * kDegreesPerRadian}});
+    }
+    if (!scene.bounds.empty()) {
+        json["bounds"] = {{"lower", jsonFrom(scene.bounds.lower)},
+                          {"upper", jsonFrom(scene.bounds.upper)}};
+    }
+    return json;
+}
+
+std::string textFrom(const vec3& v) { return fmt::format("({:.4g} {:.4g} {:.4g})", v.x, v.y, v.z); }
+
+void printScene(const std::string& path, const Scene& scene) {
+    fmt::print(
+        "{}: {} triangles, {} vertices, {} materials, {} textures, {} lights, "
+        "{} cameras\n",
+        path, scene.triangles.size(), scene.positions.size(), scene.materials.size(),
+        scene.textures.size(), scene.lights.size(), scene.cameras.size());
+    if (!scene.bounds.empty()) {
+        fmt::print("bounds {} to {}\n", textFrom(scene.bounds.lower), textFrom(scene.bounds.upper));
+    }
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+        const Material& material = scene.materials[i];
+        const MaterialParams& params = material.params;
+        fmt::print("material {} {}: roughness {:.3g} (alpha {:.3g}), metallic {:.3g}{}{}\n", i,
+                   material.name, params.roughness, shared::alphaFromRoughness(params.roughness),
+                   params.metallic, material.base_color_texture >= 0 ? ", textured" : "",
+                   params.emission == vec3(0.0f) ? "" : ", emits " + textFrom(params.emission));
+    }
+    for (size_t i = 0; i < scene.lights.size(); ++i) {
+        const PunctualLight& light = scene.lights[i];
+        fmt::print("light {} {}: {}, {} {}\n", i, scene.light_names[i], lightKind(light.kind),
+                   textFrom(light.intensity),
+                   light.kind == shared::LIGHT_DIRECTIONAL ? "lux" : "candela");
+    }
+    for (size_t i = 0; i < scene.cameras.size(); ++i) {
+        const Camera& camera = scene.cameras[i];
+        fmt::print("camera {} {}: at {}, {:.4g} degrees high\n", i, camera.name,
+                   textFrom(vec3(camera.world_from_camera[3])), camera.y_fov * kDegreesPerRadian);
+    }
+}
+
+ExitCode runInfo(const InfoOptions& o) {
+    checkJsonWritable(o.json);
+    const Scene scene = loadScene(o.scene);
+    for (const std::string& warning : scene.warnings) {
+        warn(warning);
+    }
+    writeJson(o.json, sceneJson(o.scene, scene));
+    if (wantsText(o.json)) {
+        printScene(o.scene, scene);
+    }
+    return ExitCode::kDone;
+}
+
+}  // namespace
+
+Command addInfo(CLI::App& program) {
+    CLI::App* app = program.add_subcommand("info", "Tell what a scene holds");
+    const auto options = std::make_shared<InfoOptions>();
+    app->add_option("SCENE", options->scene, "glTF scene, .glb or .gltf")->required();
+    app->add_option("--json", options->json, "File for all figures as JSON; -: standard output");
+    return {app, [options] { return runInfo(*options); }};
+}
+
+}  // namespace sheen::cli

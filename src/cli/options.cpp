@@ -1,0 +1,88 @@
+#include "cli/options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "core/error.h"
+
+namespace sheen::cli {
+namespace {
+
+constexpr int kMaxSide = 16384;
+constexpr float kMaxStops = 50.0f;
+constexpr int kMinShOrder = 2;
+constexpr int kMaxShOrder = 10;
+
+// The whole of `text` as a number, or none.
+template <class T>
+std::optional<T> parseNumber(std::string_view text) {
+    T value{};
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    return error == std::errc() && stop == end ? std::optional<T>(value) : std::nullopt;
+}
+
+}  // namespace
+
+CLI::Validator numberIn(double lower, double upper) {
+    const std::string range = fmt::format("{}..{}", lower, upper);
+    return CLI::Validator(
+        [lower, upper, range](const std::string& text) -> std::string {
+            const std::optional<double> value = parseNumber<double>(text);
+            const bool inside = value && *value >= lower && *value <= upper;
+            return inside ? "" : fmt::format("{} is not a number in {}", text, range);
+        },
+        range);
+}
+
+ivec2 parseSize(const std::string& text) {
+    const size_t cross = text.find_first_of("xX");
+    if (cross != std::string::npos) {
+        const std::optional<int> width = parseNumber<int>(text.substr(0, cross));
+        const std::optional<int> height = parseNumber<int>(text.substr(cross + 1));
+        const auto valid = [](int side) { return side >= 1 && side <= kMaxSide; };
+        if (width && height && valid(*width) && valid(*height)) {
+            return {*width, *height};
+        }
+    }
+    throwUsage("--size {}: must be WIDTHxHEIGHT, each 1..{}, as in 640x480", text, kMaxSide);
+}
+
+std::optional<float> parseExposure(const std::string& text) {
+    if (text == "auto") {
+        return std::nullopt;
+    }
+    const std::optional<float> stops = parseNumber<float>(text);
+    if (!stops || !(std::abs(*stops) <= kMaxStops)) {
+        throwUsage("--exposure {}: must be auto or stops in {}..{}", text, -kMaxStops, kMaxStops);
+    }
+    return stops;
+}
+
+int parseShOrder(const std::string& text) {
+    if (text == "auto") {
+        return 0;
+    }
+    const std::optional<int> order = parseNumber<int>(text);
+    if (!order || *order < kMinShOrder || *order > kMaxShOrder) {
+        throwUsage("--sh-order {}: must be auto or {}..{}", text, kMinShOrder, kMaxShOrder);
+    }
+    return *order;
+}
+
+FileKind imageKind(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (extension == ".exr") {
+        return FileKind::kExr;
+    }
+    if (extension == ".png") {
+        return FileKind::kPng;
+    }
+    throwUsage("{}: the name of an image must end in .exr or .png", path);
+}
+
+}  // namespace sheen::cli

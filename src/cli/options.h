@@ -1,0 +1,28 @@
+// Option values that CLI11 does not know: their forms, ranges and error lines.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "core/math.h"
+
+namespace sheen::cli {
+
+/// Accepts numbers in [lower, upper]; unlike CLI::Range never NaN.
+CLI::Validator numberIn(double lower, double upper);
+
+/// "WxH", each 1..16384. Usage error otherwise.
+ivec2 parseSize(const std::string& text);
+
+/// "auto" (none) or a number of stops in [-50, 50]. Usage error otherwise.
+std::optional<float> parseExposure(const std::string& text);
+
+/// "auto" (0) or 2..10. Usage error otherwise.
+int parseShOrder(const std::string& text);
+
+enum class FileKind { kExr, kPng };
+/// By the name's extension, in any case. Usage error where it is another.
+FileKind imageKind(const std::string& path);
+
+}  // namespace sheen::cli

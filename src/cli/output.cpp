@@ -1,0 +1,40 @@
+#include "cli/output.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "core/error.h"
+#include "image/atomic_file.h"
+
+namespace sheen::cli {
+
+FILE* textStream(const std::string& json_path) { return json_path == "-" ? stderr : stdout; }
+
+void checkJsonWritable(const std::string& json_path) {
+    if (!json_path.empty() && json_path != "-") {
+        checkWritable(json_path);
+    }
+}
+
+void writeJson(const std::string& json_path, const Json& json) {
+    if (json_path.empty()) {
+        return;
+    }
+    // Names come from scene files and need not be valid UTF-8.
+    const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    if (json_path == "-") {
+        if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
+            std::fflush(stdout) != 0) {
+            throwEnvironment("standard output: cannot write: {}", std::strerror(errno));
+        }
+        return;
+    }
+    AtomicFile file(json_path);
+    file.write(text);
+    file.commit();
+}
+
+Json jsonFrom(const vec3& v) { return Json::array({v.x, v.y, v.z}); }
+
+}  // namespace sheen::cli

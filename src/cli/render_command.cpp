@@ -1,0 +1,305 @@
+// sheen render: one frame of a scene into an EXR or PNG file.
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "cli/output.h"
+#include "core/parallel.h"
+#include "core/timer.h"
+#include "image/atomic_file.h"
+#include "image/exr.h"
+#include "image/png.h"
+#include "render/render.h"
+
+namespace sheen::cli {
+namespace {
+
+const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
+                                                {"irradiance", Method::kIrradiance},
+                                                {"reference", Method::kReference}};
+const std::map<std::string, HemisphereKind> kHemispheres = {
+    {"border", HemisphereKind::kBorder},
+    {"plane", HemisphereKind::kPlane},
+    {"larsen", HemisphereKind::kLarsen},
+    {"hemicube", HemisphereKind::kHemicube}};
+
+// An option that only some methods understand.
+struct LimitedOption {
+    CLI::Option* option = nullptr;
+    std::vector<Method> methods;
+};
+
+struct RenderOptions {
+    std::string scene;
+    std::string output;
+    std::string size = "512x512";
+    std::string method = "radiance";
+    std::string sh_order = "auto";
+    std::string gather = "border";
+    std::string exposure = "auto";
+    std::string layers = "basic";
+    std::string json;
+    int threads = 0;
+    RenderParams params;
+    std::vector<LimitedOption> limited;
+    CLI::Option* exposure_option = nullptr;
+    CLI::Option* layers_option = nullptr;
+    CLI::Option* extent_option = nullptr;
+};
+
+template <class T>
+std::vector<std::string> keysOf(const std::map<std::string, T>& map) {
+    std::vector<std::string> keys;
+    for (const auto& [key, value] : map) {
+        keys.push_back(key);
+    }
+    return keys;
+}
+
+void addImageOptions(CLI::App& app, RenderOptions& o) {
+    app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")->required();
+    app.add_option("-o,--output", o.output,
+                   "Image to write, .exr (all figures) or .png (to look at); "
+                   "default: the scene's name with .exr, in the current folder");
+    app.add_option("--size", o.size, "Width x height in pixels, each 1..16384")
+        ->capture_default_str();
+    app.add_option("--camera", o.params.camera, "Name or number of a camera; default: the first");
+    o.exposure_option =
+        app.add_option("--exposure", o.exposure,
+                       "PNG only: stops, or auto: the log-average becomes middle grey")
+            ->capture_default_str();
+    o.layers_option = app.add_option("--layers", o.layers,
+                                     "EXR only: basic (beauty, direct, indirect) or all "
+                                     "(also normals, depth, record weights, ...)")
+                          ->check(CLI::IsMember({"basic", "all"}))
+                          ->capture_default_str();
+}
+
+void addMethodOptions(CLI::App& app, RenderOptions& o) {
+    const std::vector<Method> cached = {Method::kRadiance, Method::kIrradiance};
+    RenderParams& p = o.params;
+    app.add_option("--method", o.method,
+                   "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only) or "
+                   "reference (path tracer)")
+        ->check(CLI::IsMember(keysOf(kMethods)))
+        ->capture_default_str();
+    const auto limited = [&o](CLI::Option* option, std::vector<Method> methods) {
+        option->capture_default_str();
+        o.limited.push_back({option, std::move(methods)});
+        return option;
+    };
+    limited(app.add_option("--accuracy", p.accuracy,
+                           "radiance, irradiance: largest error of a record's reuse, smaller is "
+                           "better and slower")
+                ->check(numberIn(0.01, 2)),
+            cached);
+    limited(app.add_option("--sh-order", o.sh_order,
+                           "radiance: order of the spherical harmonics, 2..10, or auto: by "
+                           "material"),
+            {Method::kRadiance});
+    limited(app.add_option("--gather", o.gather,
+                           "radiance, irradiance: how a record sees its hemisphere: one plane with "
+                           "its border stretched to the horizon (border), bare (plane), rescaled "
+                           "(larsen), or a hemicube")
+                ->check(CLI::IsMember(keysOf(kHemispheres))),
+            cached);
+    limited(app.add_option("--gather-size", p.gather_size,
+                           "radiance, irradiance: texels along a side of that plane")
+                ->check(numberIn(8, 512)),
+            cached);
+    o.extent_option = limited(app.add_option("--gather-extent", p.gather_extent,
+                                             "radiance, irradiance: half-width of that plane at "
+                                             "distance 1; not for the hemicube")
+                                  ->check(numberIn(1, 10)),
+                              cached);
+    app.add_option("--bounces", p.bounces, "Bounces of indirect light; more than 1: reference only")
+        ->check(numberIn(1, 64))
+        ->capture_default_str();
+    limited(app.add_option("--spp", p.spp, "reference: paths a pixel")->check(numberIn(1, 65536)),
+            {Method::kReference});
+    limited(app.add_option("--seed", p.seed, "reference: seed of its random numbers"),
+            {Method::kReference});
+}
+
+void addProgramOptions(CLI::App& app, RenderOptions& o) {
+    app.add_option("--threads", o.threads, "Threads to use; 0: one a hardware thread")
+        ->check(numberIn(0, 256))
+        ->capture_default_str();
+    app.add_option("--json", o.json, "File for all figures as JSON; -: standard output");
+}
+
+void checkMethodOptions(const RenderOptions& o) {
+    for (const LimitedOption& limited : o.limited) {
+        const auto& methods = limited.methods;
+        if (limited.option->count() > 0 &&
+            std::find(methods.begin(), methods.end(), o.params.method) == methods.end()) {
+            throwUsage("{}: not an option of --method {}", limited.option->get_name(), o.method);
+        }
+    }
+    if (o.params.method != Method::kReference && o.params.bounces != 1) {
+        throwUsage("--bounces {}: --method {} computes one bounce", o.params.bounces, o.method);
+    }
+    if (o.params.gather == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
+        throwUsage("--gather-extent: not an option of --gather hemicube");
+    }
+}
+
+void checkFileOptions(const RenderOptions& o, FileKind kind) {
+    if (kind == FileKind::kExr && o.exposure_option->count() > 0) {
+        throwUsage("--exposure: for PNG only; {} stores radiance as it is", o.output);
+    }
+    if (kind == FileKind::kPng && o.layers_option->count() > 0) {
+        throwUsage("--layers: for EXR only; {} holds one image", o.output);
+    }
+    if (!o.json.empty() && o.json == o.output) {
+        throwUsage("--json {}: is the image's name as well", o.json);
+    }
+}
+
+std::string defaultOutput(const std::string& scene) {
+    return std::filesystem::path(scene).stem().string() + ".exr";
+}
+
+// Materials may share a name; keys of an object may not.
+Json shOrders(const std::vector<MaterialOrder>& orders) {
+    Json json = Json::object();
+    for (size_t i = 0; i < orders.size(); ++i) {
+        const std::string& name = orders[i].material;
+        json[json.contains(name) ? fmt::format("{} #{}", name, i) : name] = orders[i].order;
+    }
+    return json;
+}
+
+// Stages in the order they run.
+std::vector<std::pair<const char*, double>> stagesOf(const StageSeconds& s) {
+    return {{"load", s.load},           {"gbuffer", s.gbuffer}, {"shadow", s.shadow},
+            {"placement", s.placement}, {"gather", s.gather},   {"project", s.project},
+            {"splat", s.splat},         {"compose", s.compose}, {"trace", s.trace},
+            {"write", s.write}};
+}
+
+Json statsJson(const RenderOptions& o, const RenderStats& stats) {
+    Json seconds = {{"total", stats.seconds.total}};
+    for (const auto& [stage, value] : stagesOf(stats.seconds)) {
+        seconds[stage] = value;
+    }
+    Json json = {{"method", o.method},
+                 {"size", {o.params.width, o.params.height}},
+                 {"threads", threadCount()},
+                 {"output", o.output},
+                 {"records", stats.records},
+                 {"seconds", seconds},
+                 {"pixels_geometry", stats.pixels_geometry},
+                 {"pixels_uncovered", stats.pixels_uncovered},
+                 {"nonfinite_pixels", stats.nonfinite_pixels},
+                 {"negative_pixels", stats.negative_pixels},
+                 {"diffuse_share", stats.diffuse_share},
+                 {"too_glossy_share", stats.too_glossy_share},
+                 {"sh_order", shOrders(stats.sh_order)},
+                 {"gl_renderer", stats.gl_renderer}};
+    if (o.params.method == Method::kReference) {
+        json["mrays_per_second"] = stats.mrays_per_second;
+    }
+    return json;
+}
+
+std::string orderSummary(const std::vector<MaterialOrder>& orders) {
+    std::map<int, int> materials_of;
+    for (const MaterialOrder& material : orders) {
+        ++materials_of[material.order];
+    }
+    std::string text;
+    for (const auto& [order, count] : materials_of) {
+        text += fmt::format("{}{} x{}", text.empty() ? "" : ", ",
+                            order == 0 ? "diffuse" : fmt::format("order {}", order), count);
+    }
+    return text;
+}
+
+void printStats(const RenderOptions& o, const RenderStats& stats) {
+    std::string stages;
+    for (const auto& [stage, value] : stagesOf(stats.seconds)) {
+        if (value > 0.0) {
+            stages += fmt::format("{}{} {:.3f}", stages.empty() ? "" : ", ", stage, value);
+        }
+    }
+    fmt::print("seconds   {:.3f}: {}\n", stats.seconds.total, stages);
+    if (o.params.method == Method::kReference) {
+        fmt::print("rays      {:.2f} million a second, {} threads\n", stats.mrays_per_second,
+                   threadCount());
+    } else {
+        fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
+                   stats.pixels_uncovered, stats.pixels_geometry);
+        fmt::print("pixels    diffuse {:.1f}%, too glossy for the cache {:.1f}%\n",
+                   100.0 * stats.diffuse_share, 100.0 * stats.too_glossy_share);
+        fmt::print("materials {}\n", orderSummary(stats.sh_order));
+        fmt::print("renderer  {}, {} threads\n", stats.gl_renderer, threadCount());
+    }
+    if (stats.nonfinite_pixels > 0 || stats.negative_pixels > 0) {
+        fmt::print("mended    {} pixels not finite, {} negative\n", stats.nonfinite_pixels,
+                   stats.negative_pixels);
+    }
+    fmt::print("wrote     {} ({}x{}, {})\n", o.output, o.params.width, o.params.height, o.method);
+}
+
+void writeFrame(const RenderOptions& o, FileKind kind, const Frame& frame) {
+    if (kind == FileKind::kPng) {
+        writePng(o.output, frame, parseExposure(o.exposure));
+    } else {
+        writeExr(o.output, frame, o.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
+    }
+}
+
+ExitCode runRender(RenderOptions& o) {
+    const Timer total;
+    const ivec2 size = parseSize(o.size);
+    o.params.width = size.x;
+    o.params.height = size.y;
+    o.params.method = kMethods.at(o.method);
+    o.params.gather = kHemispheres.at(o.gather);
+    o.params.sh_order = parseShOrder(o.sh_order);
+    o.params.all_layers = o.layers == "all";
+    parseExposure(o.exposure);
+    checkMethodOptions(o);
+    o.output = o.output.empty() ? defaultOutput(o.scene) : o.output;
+    const FileKind kind = imageKind(o.output);
+    checkFileOptions(o, kind);
+    setThreadCount(o.threads);
+
+    const Timer load;
+    const Scene scene = loadScene(o.scene);
+    for (const std::string& warning : scene.warnings) {
+        warn(warning);
+    }
+    const double load_seconds = load.seconds();
+    checkWritable(o.output);  // before the long work
+    checkJsonWritable(o.json);
+
+    RenderResult result = renderFrame(scene, o.params);
+    const Timer write;
+    writeFrame(o, kind, result.frame);
+    result.stats.seconds.write = write.seconds();
+    result.stats.seconds.load = load_seconds;
+    result.stats.seconds.total = total.seconds();
+    writeJson(o.json, statsJson(o, result.stats));
+    if (wantsText(o.json)) {
+        printStats(o, result.stats);
+    }
+    return ExitCode::kDone;
+}
+
+}  // namespace
+
+Command addRender(CLI::App& program) {
+    CLI::App* app = program.add_subcommand("render", "Render one frame of a scene");
+    const auto options = std::make_shared<RenderOptions>();
+    addImageOptions(*app, *options);
+    addMethodOptions(*app, *options);
+    addProgramOptions(*app, *options);
+    return {app, [options] { return runRender(*options); }};
+}
+
+}  // namespace sheen::cli
