@@ -1,0 +1,3 @@
+// Shadow maps keep only depth.
+void main() {
+}

@@ -1,0 +1,65 @@
+// Direct light of the punctual lights, shadowed by shadow maps.
+// Based on: [Wil78], [RSC87] for percentage-closer filtering.
+#include "shared/view.glsl"
+#include "raster/surface.glsl"
+
+layout(std430, binding = 6) readonly buffer ShadowViews { View shadow_views[]; };
+layout(binding = 0) uniform sampler2DArrayShadow shadow_maps;
+uniform float shadow_resolution;
+
+// Which of a point light's six views sees a point in direction d: the major axis.
+int cubeFace(vec3 d) {
+    vec3 a = abs(d);
+    if (a.x >= a.y && a.x >= a.z) {
+        return d.x >= 0.0 ? 0 : 1;
+    }
+    if (a.y >= a.z) {
+        return d.y >= 0.0 ? 2 : 3;
+    }
+    return d.z >= 0.0 ? 4 : 5;
+}
+
+// Fraction of the light that reaches p, whose geometric normal n_g faces it. The receiver is lifted
+// along its normal by what a tilted surface varies across the filter's footprint, so that a surface
+// never shadows itself.
+float lightVisibility(PunctualLight light, vec3 p, vec3 n_g) {
+    int index = light.first_view;
+    if (light.kind == LIGHT_POINT || (light.kind == LIGHT_SPOT && light.cos_outer < SPOT_CUBE_COSINE)) {
+        index += cubeFace(p - light.position);
+    }
+    View view = shadow_views[index];
+    float along = dot(view.dual_forward, p - view.origin);
+    float texel = view.texel_size * (view.kind == VIEW_PARALLEL ? 1.0 : along);
+    vec4 clip = clipFromWorld(view, p + n_g * (texel * SHADOW_LIFT_TEXELS));
+    vec3 ndc = clip.xyz / clip.w;
+    vec2 uv = 0.5 * ndc.xy + 0.5;
+    float depth = ndc.z + 4e-7;
+    float layer = float(index);
+#if SHADOW_TAPS == 1
+    return texture(shadow_maps, vec4(uv, layer, depth));
+#else
+    // Four bilinear comparisons, a texel apart: a tent three texels wide.
+    float o = 0.5 / shadow_resolution;
+    return 0.25 * (texture(shadow_maps, vec4(uv + vec2(-o, -o), layer, depth)) +
+                   texture(shadow_maps, vec4(uv + vec2(o, -o), layer, depth)) +
+                   texture(shadow_maps, vec4(uv + vec2(-o, o), layer, depth)) +
+                   texture(shadow_maps, vec4(uv + vec2(o, o), layer, depth)));
+#endif
+}
+
+// Radiance toward wo of light scattered once.
+vec3 directRadiance(Surface s, vec3 wo) {
+    float NoV = max(dot(s.n, wo), MIN_COSINE);
+    Brdf brdf = makeBrdf(s.material, brdfAlbedo(NoV, s.material.roughness));
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < light_count; ++i) {
+        PunctualLight light = lights[i];
+        LightSample l = sampleLight(light, s.p);
+        float NoL = dot(s.n, l.wi);
+        if (NoL > 0.0 && dot(s.n_g, l.wi) > 0.0) {
+            vec3 f = evalBrdf(brdf, s.n, wo, l.wi);
+            sum += f * l.irradiance * (NoL * lightVisibility(light, s.p, s.n_g));
+        }
+    }
+    return sum;
+}

@@ -1,0 +1,37 @@
+// OpenGL 4.5 core contexts without a window. The default backend is OSMesa: Mesa's software
+// rasteriser in this process, no display and no GPU. EGL (surfaceless, or a GPU device) is chosen
+// by the environment variable SHEEN_GL=egl.
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace sheen::gl {
+
+enum class Backend { kOsmesa, kEgl };
+
+/// From SHEEN_GL (osmesa or egl; unset: osmesa); environment error for anything else.
+Backend backendFromEnvironment();
+
+/// One context. The only open set of the project: a backend.
+class Context {
+  public:
+    virtual ~Context() = default;
+    /// Binds the context to the calling thread; a context is current on one thread at a time.
+    virtual void makeCurrent() = 0;
+    /// Unbinds it, so that another thread may take it or it may be destroyed.
+    virtual void release() = 0;
+};
+
+/// Makes a context that shares buffers and textures with `share` (may be null) and makes it current.
+/// Errors of its debug output are kept for checkErrors().
+/// Environment error when the backend cannot give OpenGL 4.5.
+std::unique_ptr<Context> makeContext(Backend backend, Context* share);
+
+/// Renderer name of the current context.
+std::string rendererName();
+
+/// Throws std::logic_error if the debug output of any context has reported an error so far.
+void checkErrors();
+
+}  // namespace sheen::gl

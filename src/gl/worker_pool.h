@@ -1,0 +1,60 @@
+// Threads that own one OpenGL context each. With the software rasteriser this is where parallelism
+// comes from: contexts share buffers and textures, while programs, vertex arrays and framebuffers
+// belong to one worker. All OpenGL of the project runs inside run().
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gl/context.h"
+
+namespace sheen::gl {
+
+class WorkerPool {
+  public:
+    /// `workers` threads; one where the backend is a GPU, whose driver has its own parallelism.
+    /// Environment error when no context can be made.
+    explicit WorkerPool(int workers);
+    ~WorkerPool();
+    WorkerPool(const WorkerPool&) = delete;
+    WorkerPool& operator=(const WorkerPool&) = delete;
+
+    int size() const { return static_cast<int>(threads_.size()); }
+    const std::string& renderer() const { return renderer_; }
+
+    /// Calls job(worker) once on every worker, at the same time, and waits; what they drew is
+    /// finished then. The first exception (by worker) is rethrown.
+    void run(const std::function<void(int worker)>& job);
+    /// The same on worker 0 alone.
+    void runOnFirst(const std::function<void()>& job);
+
+  private:
+    void work(int worker);
+
+    std::vector<std::unique_ptr<Context>> contexts_;
+    std::vector<std::thread> threads_;
+    std::vector<std::exception_ptr> errors_;
+    std::string renderer_;
+    std::mutex mutex_;
+    std::condition_variable start_;
+    std::condition_variable done_;
+    const std::function<void(int)>* job_ = nullptr;
+    int generation_ = 0;
+    int running_ = 0;
+    bool stopping_ = false;
+};
+
+/// Rows [first, last) of an image of `height` rows that worker `worker` of `workers` draws.
+/// Strips start at multiples of 64 rows, the rasteriser's tile.
+struct Strip {
+    int first = 0;
+    int last = 0;
+};
+Strip stripOf(int worker, int workers, int height);
+
+}  // namespace sheen::gl

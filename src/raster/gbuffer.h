@@ -1,0 +1,31 @@
+// What the camera sees, per pixel: the input of placement, splatting and composition.
+#pragma once
+
+#include "gl/worker_pool.h"
+#include "image/image.h"
+#include "raster/gpu_scene.h"
+
+namespace sheen {
+
+/// Row 0 on top. Pixels without geometry have depth 0 and triangle kNoPrimitive.
+struct GBuffer {
+    int width = 0;
+    int height = 0;
+    View view;
+    Image<vec4> position;  ///< world space; w: depth along the view axis
+    Image<vec4> normal;    ///< shading normal, world space; w: perceptual roughness
+    Image<vec4> diffuse;   ///< diffuse reflectance toward the camera; w: F90
+    Image<vec4> f0;        ///< specular F0; w: unused
+    Image<vec4> direct;    ///< radiance of direct light; w: unused
+    Image<vec4> emission;  ///< radiance; w: unused
+    Image<uint32_t> primitive;
+    float pixel_angle = 0;  ///< width of a pixel at depth 1
+
+    bool seen(int i) const { return position.pixels[static_cast<size_t>(i)].w > 0.0f; }
+};
+
+/// Rasterises the scene and lights it directly; needs the shadow maps.
+GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
+                      const Camera& camera, int width, int height);
+
+}  // namespace sheen

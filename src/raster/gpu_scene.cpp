@@ -1,0 +1,292 @@
+#include "raster/gpu_scene.h"
+
+#include <meshoptimizer.h>
+
+#include <cstring>
+#include <glm/gtc/packing.hpp>
+#include <numeric>
+
+#include "scene/brdf_albedo.h"
+
+namespace sheen {
+namespace {
+
+constexpr size_t kClusterVertices = 255;
+constexpr size_t kClusterTriangles = 124;
+
+// Layouts of shaders/raster/surface.glsl.
+struct PackedTriangle {
+    vec3 p0;
+    uint32_t material;
+    vec3 p1;
+    float uv0_x;
+    vec3 p2;
+    float uv0_y;
+    vec3 n0;
+    float uv1_x;
+    vec3 n1;
+    float uv1_y;
+    vec3 n2;
+    float uv2_x;
+    float uv2_y;
+    uint32_t scene_triangle;
+    uint32_t pad[2];
+};
+static_assert(sizeof(PackedTriangle) == 7 * 16);
+
+struct PackedMaterial {
+    MaterialParams params;
+    int texture_first;
+    int texture_levels;
+    int texture_width;
+    int texture_height;
+    glm::ivec2 texture_wrap;
+    int pad[2];
+};
+static_assert(sizeof(PackedMaterial) == 5 * 16);
+static_assert(sizeof(PunctualLight) == 4 * 16);
+
+// Welds vertices that share a position: the visibility pass needs nothing else of them.
+struct WeldedMesh {
+    std::vector<vec3> positions;
+    std::vector<uint32_t> indices;
+};
+
+WeldedMesh weld(const Scene& scene) {
+    std::vector<uint32_t> indices;
+    indices.reserve(scene.triangles.size() * 3);
+    for (const uvec3& t : scene.triangles) {
+        indices.insert(indices.end(), {t.x, t.y, t.z});
+    }
+    std::vector<uint32_t> remap(scene.positions.size());
+    const size_t count =
+        meshopt_generateVertexRemap(remap.data(), indices.data(), indices.size(),
+                                    scene.positions.data(), scene.positions.size(), sizeof(vec3));
+    WeldedMesh mesh;
+    mesh.positions.resize(count);
+    mesh.indices.resize(indices.size());
+    meshopt_remapVertexBuffer(mesh.positions.data(), scene.positions.data(),
+                              scene.positions.size(), sizeof(vec3), remap.data());
+    meshopt_remapIndexBuffer(mesh.indices.data(), indices.data(), indices.size(), remap.data());
+    return mesh;
+}
+
+// Splits the mesh into clusters; returns the scene's triangle of each cluster-ordered triangle.
+std::vector<uint32_t> buildClusters(const WeldedMesh& mesh, std::vector<Cluster>& clusters) {
+    const size_t triangles = mesh.indices.size() / 3;
+    // meshopt's meshlets do not say which triangle went where, so cluster a spatially sorted order
+    // instead: neighbours in it are neighbours in space.
+    std::vector<vec3> centroids(triangles);
+    for (size_t t = 0; t < triangles; ++t) {
+        centroids[t] = (mesh.positions[mesh.indices[3 * t]] + mesh.positions[mesh.indices[3 * t + 1]] +
+                        mesh.positions[mesh.indices[3 * t + 2]]) /
+                       3.0f;
+    }
+    std::vector<uint32_t> rank(triangles);
+    if (triangles > 0) {
+        meshopt_spatialSortRemap(rank.data(), &centroids[0].x, triangles, sizeof(vec3));
+    }
+    std::vector<uint32_t> order(triangles);
+    for (size_t t = 0; t < triangles; ++t) {
+        order[rank[t]] = static_cast<uint32_t>(t);
+    }
+    for (size_t first = 0; first < triangles; first += kClusterTriangles) {
+        const size_t count = std::min(kClusterTriangles, triangles - first);
+        Bounds bounds;
+        for (size_t i = first; i < first + count; ++i) {
+            for (int corner = 0; corner < 3; ++corner) {
+                bounds.add(mesh.positions[mesh.indices[3 * order[i] + corner]]);
+            }
+        }
+        clusters.push_back({.center = bounds.center(),
+                            .radius = 0.5f * bounds.size(),
+                            .first_triangle = static_cast<uint32_t>(first),
+                            .triangle_count = static_cast<uint32_t>(count)});
+    }
+    return order;
+}
+
+std::vector<PackedTriangle> packTriangles(const Scene& scene, const std::vector<uint32_t>& order) {
+    std::vector<PackedTriangle> packed;
+    packed.reserve(order.size());
+    for (uint32_t t : order) {
+        const uvec3& v = scene.triangles[t];
+        packed.push_back({.p0 = scene.positions[v.x],
+                          .material = scene.materials_of[t],
+                          .p1 = scene.positions[v.y],
+                          .uv0_x = scene.uvs[v.x].x,
+                          .p2 = scene.positions[v.z],
+                          .uv0_y = scene.uvs[v.x].y,
+                          .n0 = scene.normals[v.x],
+                          .uv1_x = scene.uvs[v.y].x,
+                          .n1 = scene.normals[v.y],
+                          .uv1_y = scene.uvs[v.y].y,
+                          .n2 = scene.normals[v.z],
+                          .uv2_x = scene.uvs[v.z].x,
+                          .uv2_y = scene.uvs[v.z].y,
+                          .scene_triangle = t,
+                          .pad = {}});
+    }
+    return packed;
+}
+
+// Appends a texture's levels, each half the size of the last down to one texel, as halves.
+int appendMipChain(const Texture& texture, std::vector<uvec2>& texels) {
+    std::vector<vec3> level = texture.texels;
+    int width = texture.width;
+    int height = texture.height;
+    int levels = 0;
+    while (true) {
+        ++levels;
+        for (const vec3& c : level) {
+            texels.emplace_back(glm::packHalf2x16({c.r, c.g}), glm::packHalf2x16({c.b, 0.0f}));
+        }
+        if (width == 1 && height == 1) {
+            return levels;
+        }
+        const int next_width = std::max(width / 2, 1);
+        const int next_height = std::max(height / 2, 1);
+        std::vector<vec3> next(static_cast<size_t>(next_width) * next_height);
+        for (int y = 0; y < next_height; ++y) {
+            for (int x = 0; x < next_width; ++x) {
+                const int x1 = std::min(2 * x + 1, width - 1);
+                const int y1 = std::min(2 * y + 1, height - 1);
+                const auto at = [&](int i, int j) {
+                    return level[static_cast<size_t>(j) * width + i];
+                };
+                next[static_cast<size_t>(y) * next_width + x] =
+                    0.25f * (at(2 * x, 2 * y) + at(x1, 2 * y) + at(2 * x, y1) + at(x1, y1));
+            }
+        }
+        level = std::move(next);
+        width = next_width;
+        height = next_height;
+    }
+}
+
+void uploadMaterials(const Scene& scene, GpuScene& gpu) {
+    std::vector<uvec2> texels;
+    std::vector<int> first;
+    std::vector<int> levels;
+    for (const Texture& texture : scene.textures) {
+        first.push_back(static_cast<int>(texels.size()));
+        levels.push_back(appendMipChain(texture, texels));
+    }
+    std::vector<PackedMaterial> materials;
+    for (const Material& material : scene.materials) {
+        PackedMaterial packed{};
+        packed.params = material.params;
+        packed.texture_first = -1;
+        if (material.base_color_texture >= 0) {
+            const auto i = static_cast<size_t>(material.base_color_texture);
+            packed.texture_first = first[i];
+            packed.texture_levels = levels[i];
+            packed.texture_width = scene.textures[i].width;
+            packed.texture_height = scene.textures[i].height;
+            packed.texture_wrap = scene.textures[i].wrap;
+        }
+        materials.push_back(packed);
+    }
+    gpu.materials = gl::makeBuffer(std::span<const PackedMaterial>(materials));
+    gpu.texels = gl::makeBuffer(std::span<const uvec2>(texels));
+}
+
+}  // namespace
+
+GpuScene uploadScene(const Scene& scene) {
+    GpuScene gpu;
+    gpu.triangle_count = static_cast<uint32_t>(scene.triangleCount());
+    gpu.light_count = static_cast<int>(scene.lights.size());
+    const WeldedMesh mesh = weld(scene);
+    const std::vector<uint32_t> order = buildClusters(mesh, gpu.clusters);
+    std::vector<uint32_t> indices;
+    indices.reserve(mesh.indices.size());
+    for (uint32_t t : order) {
+        indices.insert(indices.end(), mesh.indices.begin() + 3 * t, mesh.indices.begin() + 3 * t + 3);
+    }
+    std::vector<uint32_t> identity(order.size());
+    std::iota(identity.begin(), identity.end(), 0u);
+    const std::vector<PackedTriangle> packed = packTriangles(scene, order);
+    gpu.positions = gl::makeBuffer(std::span<const vec3>(mesh.positions));
+    gpu.indices = gl::makeBuffer(std::span<const uint32_t>(indices));
+    gpu.identity = gl::makeBuffer(std::span<const uint32_t>(identity));
+    gpu.triangles = gl::makeBuffer(std::span<const PackedTriangle>(packed));
+    gpu.lights = gl::makeBuffer(std::span<const PunctualLight>(scene.lights));
+    gpu.albedo_table = gl::makeBuffer(std::span<const float>(
+        brdfAlbedoTable(), 2 * shared::ALBEDO_TABLE_MU * shared::ALBEDO_TABLE_ROUGHNESS));
+    uploadMaterials(scene, gpu);
+    return gpu;
+}
+
+ClusterDrawer::ClusterDrawer(const GpuScene& gpu, const char* fragment)
+    : program_("raster/visibility.vert", fragment), vertex_array_(gl::makeVertexArray()) {
+    using namespace gl;
+    const GLuint array = vertex_array_.name();
+    glVertexArrayVertexBuffer(array, 0, gpu.positions.name(), 0, sizeof(vec3));
+    glVertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(array, 0, 0);
+    glEnableVertexArrayAttrib(array, 0);
+    glVertexArrayVertexBuffer(array, 1, gpu.identity.name(), 0, sizeof(uint32_t));
+    glVertexArrayAttribIFormat(array, 1, 1, GL_UNSIGNED_INT, 0);
+    glVertexArrayAttribBinding(array, 1, 1);
+    glVertexArrayBindingDivisor(array, 1, 1);
+    glEnableVertexArrayAttrib(array, 1);
+    glVertexArrayElementBuffer(array, gpu.indices.name());
+    view_buffer_ = makeBuffer(std::span<const View>());
+    command_buffer_ = makeBuffer(std::span<const DrawCommand>());
+}
+
+void ClusterDrawer::setViews(std::span<const View> views) {
+    views_.assign(views.begin(), views.end());
+    gl::refillBuffer(view_buffer_, views);
+}
+
+void ClusterDrawer::draw(const GpuScene& gpu, int index) {
+    using namespace gl;
+    const View& view = views_[static_cast<size_t>(index)];
+    commands_.clear();
+    uint32_t end = 0;  // triangle after the last one drawn: adjacent clusters become one command
+    for (const Cluster& cluster : gpu.clusters) {
+        if (view.kind == shared::VIEW_PERSPECTIVE &&
+            !sphereInView(view, cluster.center, cluster.radius)) {
+            continue;
+        }
+        if (!commands_.empty() && end == cluster.first_triangle) {
+            commands_.back().count += 3 * cluster.triangle_count;
+        } else {
+            commands_.push_back({.count = 3 * cluster.triangle_count,
+                                 .instance_count = 1,
+                                 .first_index = 3 * cluster.first_triangle,
+                                 .base_vertex = 0,
+                                 .base_instance = cluster.first_triangle});
+        }
+        end = cluster.first_triangle + cluster.triangle_count;
+    }
+    if (commands_.empty()) {
+        return;
+    }
+    refillBuffer(command_buffer_, std::span<const DrawCommand>(commands_));
+    program_.use();
+    program_.set("view_index", index);
+    glBindVertexArray(vertex_array_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, view_buffer_.name());
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command_buffer_.name());
+    glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr,
+                                static_cast<GLsizei>(commands_.size()), 0);
+}
+
+void bindShading(const GpuScene& gpu, const gl::Program& program) {
+    using namespace gl;
+    program.use();
+    program.set("light_count", gpu.light_count);
+    program.set("shadow_resolution", static_cast<float>(gpu.shadow_resolution));
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, gpu.triangles.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, gpu.materials.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, gpu.texels.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, gpu.lights.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, gpu.albedo_table.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, gpu.shadow_views.name());
+    glBindTextureUnit(0, gpu.shadow_maps.name());
+}
+
+}  // namespace sheen

@@ -1,0 +1,135 @@
+// Shadow maps of the punctual lights: made once, reused by every pixel and every record.
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "raster/gpu_scene.h"
+
+namespace sheen {
+namespace {
+
+// A spot whose cone is wider than this (60 degrees to each side) is covered by cube faces.
+constexpr float kSpotCubeCosine = 0.5f;
+// Memory of all shadow maps together; the resolution follows from it.
+constexpr int64_t kShadowBytes = int64_t{256} << 20;
+constexpr int kMinResolution = 256;
+constexpr int kMaxResolution = 4096;
+// Half the width of the shadow filter in texels, diagonally, plus a margin.
+constexpr float kLiftTexelsWide = 3.0f;
+constexpr float kLiftTexelsSingle = 1.2f;
+
+bool needsCube(const PunctualLight& light) {
+    return light.kind == shared::LIGHT_POINT ||
+           (light.kind == shared::LIGHT_SPOT && light.cos_outer < kSpotCubeCosine);
+}
+
+// Any two unit vectors that complete `forward`.
+void completeFrame(const vec3& forward, vec3& right, vec3& up) {
+    const vec3 helper = std::abs(forward.y) < 0.9f ? vec3(0, 1, 0) : vec3(1, 0, 0);
+    right = glm::normalize(glm::cross(forward, helper));
+    up = glm::cross(right, forward);
+}
+
+void appendCube(const PunctualLight& light, float near, std::vector<View>& views) {
+    // In the order of cubeFace() in direct.glsl.
+    const vec3 forward[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    for (const vec3& f : forward) {
+        vec3 right;
+        vec3 up;
+        completeFrame(f, right, up);
+        // A little wider than the face, so that the filter at its edge still finds texels.
+        constexpr float kMargin = 1.01f;
+        views.push_back(perspectiveView(light.position, right * kMargin, up * kMargin, f, near));
+        views.back().texel_size = 2.0f * kMargin;
+    }
+}
+
+void appendSpot(const PunctualLight& light, float near, std::vector<View>& views) {
+    vec3 right;
+    vec3 up;
+    completeFrame(light.direction, right, up);
+    const float cosine = light.cos_outer;
+    const float tan_outer = 1.02f * std::sqrt(1.0f - cosine * cosine) / cosine + 1e-3f;
+    views.push_back(
+        perspectiveView(light.position, right * tan_outer, up * tan_outer, light.direction, near));
+    views.back().texel_size = 2.0f * tan_outer;
+}
+
+void appendDirectional(const PunctualLight& light, const Bounds& bounds, std::vector<View>& views) {
+    vec3 right;
+    vec3 up;
+    completeFrame(light.direction, right, up);
+    const float radius = std::max(0.505f * bounds.size(), 1e-6f);
+    views.push_back(parallelView(bounds.center() - light.direction * radius, right * radius,
+                                 up * radius, light.direction * (2.0f * radius)));
+    views.back().texel_size = 2.0f * radius;
+}
+
+}  // namespace
+
+std::vector<std::string> shadingDefines(int taps) {
+    return {fmt::format("SHADOW_TAPS {}", taps),
+            fmt::format("SHADOW_LIFT_TEXELS {}", taps == 1 ? kLiftTexelsSingle : kLiftTexelsWide),
+            fmt::format("SPOT_CUBE_COSINE {:.1f}", kSpotCubeCosine)};
+}
+
+void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {
+    using namespace gl;
+    std::vector<PunctualLight> lights = scene.lights;
+    std::vector<View> views;
+    const float near = nearDistance(scene);
+    for (PunctualLight& light : lights) {
+        light.first_view = static_cast<int>(views.size());
+        if (light.kind == shared::LIGHT_DIRECTIONAL) {
+            appendDirectional(light, scene.bounds, views);
+        } else if (needsCube(light)) {
+            appendCube(light, near, views);
+        } else {
+            appendSpot(light, near, views);
+        }
+    }
+    const int layers = std::max(static_cast<int>(views.size()), 1);
+    int resolution = kMaxResolution;
+    while (resolution > kMinResolution &&
+           int64_t{4} * resolution * resolution * layers > kShadowBytes) {
+        resolution /= 2;
+    }
+    if (views.empty()) {
+        resolution = 1;
+    }
+    for (View& view : views) {
+        view.texel_size /= static_cast<float>(resolution);
+    }
+    gpu.shadow_resolution = resolution;
+    pool.runOnFirst([&] {
+        gpu.lights = makeBuffer(std::span<const PunctualLight>(lights));
+        gpu.shadow_views = makeBuffer(std::span<const View>(views));
+        gpu.shadow_maps = makeTexture2dArray(GL_DEPTH_COMPONENT32F, resolution, resolution, layers);
+        const GLuint maps = gpu.shadow_maps.name();
+        glTextureParameteri(maps, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+        glTextureParameteri(maps, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);
+        glTextureParameteri(maps, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        glTextureParameteri(maps, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    });
+    pool.run([&](int worker) {
+        ClusterDrawer drawer(gpu, "raster/depth.frag");
+        drawer.setViews(views);
+        glEnable(GL_DEPTH_TEST);
+        glViewport(0, 0, resolution, resolution);
+        for (int i = worker; i < static_cast<int>(views.size()); i += pool.size()) {
+            GLuint name = 0;
+            glCreateFramebuffers(1, &name);
+            const Framebuffer framebuffer(name);
+            glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, gpu.shadow_maps.name(), 0, i);
+            glBindFramebuffer(GL_FRAMEBUFFER, name);
+            const float far_depth = 0.0f;
+            glClearNamedFramebufferfv(name, GL_DEPTH, 0, &far_depth);
+            drawer.draw(gpu, i);
+            glFinish();
+        }
+        glDisable(GL_DEPTH_TEST);
+        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    });
+}
+
+}  // namespace sheen

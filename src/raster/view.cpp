@@ -1,0 +1,65 @@
+#include "raster/view.h"
+
+#include <cmath>
+
+namespace sheen {
+namespace {
+
+constexpr float kNearOverSize = 2e-5f;
+
+View makeView(const vec3& origin, const vec3& right, const vec3& up, const vec3& forward) {
+    const mat3 dual = glm::transpose(glm::inverse(mat3(right, up, forward)));
+    View view{};
+    view.origin = origin;
+    view.right = right;
+    view.up = up;
+    view.forward = forward;
+    view.dual_right = dual[0];
+    view.dual_up = dual[1];
+    view.dual_forward = dual[2];
+    return view;
+}
+
+}  // namespace
+
+View perspectiveView(const vec3& origin, const vec3& right, const vec3& up, const vec3& forward,
+                     float near) {
+    View view = makeView(origin, right, up, forward);
+    view.kind = shared::VIEW_PERSPECTIVE;
+    view.near = near;
+    return view;
+}
+
+View parallelView(const vec3& origin, const vec3& right, const vec3& up, const vec3& forward) {
+    View view = makeView(origin, right, up, forward);
+    view.kind = shared::VIEW_PARALLEL;
+    return view;
+}
+
+View cameraView(const Camera& camera, int width, int height, float near) {
+    const float tan_half = std::tan(0.5f * camera.y_fov);
+    const float aspect = static_cast<float>(width) / static_cast<float>(height);
+    const mat3 axes(camera.world_from_camera);
+    return perspectiveView(vec3(camera.world_from_camera[3]), axes[0] * tan_half * aspect,
+                           -axes[1] * tan_half, -axes[2], near);
+}
+
+float nearDistance(const Scene& scene) {
+    const float size = scene.bounds.size();
+    return kNearOverSize * (size > 0.0f ? size : 1.0f);
+}
+
+bool sphereInView(const View& view, const vec3& center, float radius) {
+    const vec3 d = center - view.origin;
+    const vec3 planes[] = {view.dual_forward, view.dual_forward + view.dual_right,
+                           view.dual_forward - view.dual_right, view.dual_forward + view.dual_up,
+                           view.dual_forward - view.dual_up};
+    for (const vec3& plane : planes) {
+        if (glm::dot(plane, d) < -radius * glm::length(plane)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace sheen
