@@ -1,0 +1,1 @@
+sheen_test(metrics SOURCES metrics_test.cpp USES sheen_metrics)
