@@ -15,6 +15,7 @@ struct Command {
 };
 
 Command addRender(CLI::App& program);
+Command addCompare(CLI::App& program);
 Command addInfo(CLI::App& program);
 
 }  // namespace sheen::cli

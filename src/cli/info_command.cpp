@@ -121,8 +121,11 @@ ExitCode runInfo(const InfoOptions& o) {
 Command addInfo(CLI::App& program) {
     CLI::App* app = program.add_subcommand("info", "Tell what a scene holds");
     const auto options = std::make_shared<InfoOptions>();
-    app->add_option("SCENE", options->scene, "glTF scene, .glb or .gltf")->required();
-    app->add_option("--json", options->json, "File for all figures as JSON; -: standard output");
+    app->add_option("SCENE", options->scene, "glTF scene, .glb or .gltf")
+        ->type_name("FILE")
+        ->required();
+    app->add_option("--json", options->json, "File for all figures as JSON; -: standard output")
+        ->type_name("FILE");
     return {app, [options] { return runInfo(*options); }};
 }
 

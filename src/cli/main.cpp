@@ -40,12 +40,16 @@ int parseAndRun(int argc, char** argv) {
     program.set_help_flag("-h,--help", "Print this help and exit");
     program.require_subcommand(1);
     program.footer(kFooter);
-    const Command commands[] = {addRender(program), addInfo(program)};
+    const Command commands[] = {addRender(program), addCompare(program), addInfo(program)};
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
             return program.exit(error);  // --help, --version
+        }
+        if (argc > 1 && argv[1][0] != '-' && program.get_subcommands().empty()) {
+            return reportError(ExitCode::kUsage,
+                               fmt::format("{}: no such subcommand (see sheen --help)", argv[1]));
         }
         std::string where = "sheen";
         for (const Command& command : commands) {

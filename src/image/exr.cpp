@@ -328,12 +328,4 @@ const Image<vec3>& colorLayer(const LoadedExr& exr, const std::string& name) {
                known.empty() ? "no colour layers" : known);
 }
 
-const Image<uint32_t>& primitiveLayer(const LoadedExr& exr) {
-    if (exr.primitive.empty()) {
-        throwInput("{}: no channel '{}': not a file that `sheen render` wrote", exr.path,
-                   kPrimitiveChannel);
-    }
-    return exr.primitive;
-}
-
 }  // namespace sheen

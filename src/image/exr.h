@@ -45,7 +45,5 @@ LoadedExr readExr(const std::string& path);
 
 /// Layer `name` of a file. Input error, listing what the file has, where it is missing.
 const Image<vec3>& colorLayer(const LoadedExr& exr, const std::string& name);
-/// Its primitive.id. Input error where it is missing.
-const Image<uint32_t>& primitiveLayer(const LoadedExr& exr);
 
 }  // namespace sheen

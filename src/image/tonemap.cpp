@@ -12,6 +12,8 @@ constexpr double kDarkestShare = 1e-4;                 // of the mean luminance
 constexpr vec3 kLuminance{0.2126f, 0.7152f, 0.0722f};  // Rec. 709
 // Beyond this exponent 2^EV times any luminance of interest leaves float's range.
 constexpr float kMaxStops = 100.0f;
+constexpr float kSurelyWhite = 1e30f;
+constexpr Rgb8 kNotFinite = {255, 0, 255};
 
 bool isFinite(const vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -19,6 +21,10 @@ bool isFinite(const vec3& v) {
 
 uint8_t byteFromUnit(float unit) {
     return static_cast<uint8_t>(std::lround(255.0f * std::clamp(unit, 0.0f, 1.0f)));
+}
+
+Rgb8 bytesFromUnit(const vec3& unit) {
+    return {byteFromUnit(unit.r), byteFromUnit(unit.g), byteFromUnit(unit.b)};
 }
 
 }  // namespace
@@ -70,20 +76,25 @@ float srgbFromLinear(float linear) {
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
 }
 
+Image<Rgb8> bytesFromDisplay(const Image<vec3>& image) {
+    Image<Rgb8> bytes(image.width, image.height);
+    std::transform(image.pixels.begin(), image.pixels.end(), bytes.pixels.begin(), bytesFromUnit);
+    return bytes;
+}
+
 Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure) {
     const float stops = exposure ? *exposure : autoExposure(image);
     const float scale = std::exp2(std::clamp(stops, -kMaxStops, kMaxStops));
     Image<Rgb8> display(image.width, image.height);
     for (size_t i = 0; i < image.pixels.size(); ++i) {
         if (!isFinite(image.pixels[i])) {
-            display.pixels[i] = {255, 0, 255};
+            display.pixels[i] = kNotFinite;
             continue;
         }
         // Exposing may overflow where the pixel itself is finite; the curve is flat far below.
-        const vec3 mapped = toneMap(glm::min(image.pixels[i] * scale, vec3(1e30f)));
-        display.pixels[i] = {byteFromUnit(srgbFromLinear(mapped.r)),
-                             byteFromUnit(srgbFromLinear(mapped.g)),
-                             byteFromUnit(srgbFromLinear(mapped.b))};
+        const vec3 mapped = toneMap(glm::min(image.pixels[i] * scale, vec3(kSurelyWhite)));
+        display.pixels[i] = bytesFromUnit(
+            {srgbFromLinear(mapped.r), srgbFromLinear(mapped.g), srgbFromLinear(mapped.b)});
     }
     return display;
 }

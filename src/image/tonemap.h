@@ -32,6 +32,9 @@ struct Rgb8 {
     uint8_t r = 0, g = 0, b = 0;
 };
 
+/// Display values in [0, 1] (clamped), already sRGB-encoded, rounded to nearest.
+Image<Rgb8> bytesFromDisplay(const Image<vec3>& image);
+
 /// 2^exposure * image through the curve and the transfer function, rounded to nearest. Pixels that
 /// are not finite become magenta, so that they are seen. `exposure` in stops; none: autoExposure.
 Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure);

@@ -1,0 +1,142 @@
+// sheen compare: how far an image is from the reference, and where.
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "cli/output.h"
+#include "image/atomic_file.h"
+#include "image/exr.h"
+#include "image/png.h"
+#include "metrics/compare.h"
+
+namespace sheen::cli {
+namespace {
+
+struct CompareOptions {
+    std::string test;
+    std::string reference;
+    std::string layer = "indirect";
+    std::string json;
+    std::string heatmap;
+};
+
+// The variances that add up to that of `layer`: emission has none, direct and indirect light are
+// sampled independently.
+std::vector<std::string> varianceLayers(const std::string& layer) {
+    if (layer == "indirect") {
+        return {"variance"};
+    }
+    if (layer == "indirect_diffuse") {
+        return {"variance_diffuse"};
+    }
+    if (layer == "direct") {
+        return {"variance_direct"};
+    }
+    return {"variance", "variance_direct"};
+}
+
+// Empty where the file does not know it.
+Image<vec3> varianceOf(const LoadedExr& exr, const std::string& layer) {
+    Image<vec3> sum;
+    for (const std::string& name : varianceLayers(layer)) {
+        const auto found = exr.colors.find(name);
+        if (found == exr.colors.end()) {
+            return {};
+        }
+        if (sum.empty()) {
+            sum = found->second;
+            continue;
+        }
+        for (size_t i = 0; i < sum.pixels.size(); ++i) {
+            sum.pixels[i] += found->second.pixels[i];
+        }
+    }
+    return sum;
+}
+
+Json comparisonJson(const Comparison& c) {
+    return {{"rel_rmse", c.rel_rmse}, {"rel_mse", c.rel_mse},
+            {"bias", c.bias},         {"median", c.median},
+            {"p99", c.p99},           {"max", c.max},
+            {"tile_max", c.tile_max}, {"noise_share", c.noise_share},
+            {"excluded", c.excluded}};
+}
+
+void printComparison(const Comparison& c) {
+    fmt::print("rel_rmse    {:.3f}% (bias {:+.3f}%)\n", 100.0 * c.rel_rmse, 100.0 * c.bias);
+    fmt::print("rel_mse     {:.6g}\n", c.rel_mse);
+    fmt::print("pixels      median {:.3f}%, p99 {:.3f}%, max {:.3f}%\n", 100.0 * c.median,
+               100.0 * c.p99, 100.0 * c.max);
+    fmt::print("tile_max    {:.3f}% at pixel {}, {}\n", 100.0 * c.tile_max, c.worst_tile.x,
+               c.worst_tile.y);
+    fmt::print("noise_share {:.3f}\n", c.noise_share);
+    fmt::print("excluded    {} pixels; compared {}\n", c.excluded, c.compared);
+}
+
+void checkOptions(const CompareOptions& o) {
+    if (o.heatmap.empty()) {
+        return;
+    }
+    if (imageKind(o.heatmap) != FileKind::kPng) {
+        throwUsage("--heatmap {}: must be a .png file", o.heatmap);
+    }
+    checkWritable(o.heatmap);
+}
+
+ExitCode runCompare(const CompareOptions& o) {
+    checkOptions(o);
+    checkJsonWritable(o.json);
+    const LoadedExr test = readExr(o.test);
+    const LoadedExr reference = readExr(o.reference);
+    const Image<vec3> variance = varianceOf(reference, o.layer);
+    const CompareInput input = {
+        .test = colorLayer(test, o.layer),
+        .reference = colorLayer(reference, o.layer),
+        .reference_variance = variance.empty() ? nullptr : &variance,
+        .test_primitive = test.primitive.empty() ? nullptr : &test.primitive,
+        .reference_primitive = reference.primitive.empty() ? nullptr : &reference.primitive};
+    const Comparison comparison = compareImages(input);
+    if (!o.heatmap.empty()) {
+        writePng(o.heatmap, bytesFromDisplay(heatmap(input)));
+    }
+    writeJson(o.json, comparisonJson(comparison));
+    if (wantsText(o.json)) {
+        printComparison(comparison);
+    }
+    if (comparison.compared == 0) {
+        throwInput("{}: not judged: no pixel shows the same triangle as in {}", o.test,
+                   o.reference);
+    }
+    if (!comparison.judged) {
+        throwInput(
+            "{}: not judged: {:.0f}% of the difference is the reference's own noise; render {} "
+            "with more --spp",
+            o.test, 100.0 * comparison.noise_share, o.reference);
+    }
+    return ExitCode::kDone;
+}
+
+}  // namespace
+
+Command addCompare(CLI::App& program) {
+    CLI::App* app = program.add_subcommand("compare", "Measure an image's error");
+    const auto options = std::make_shared<CompareOptions>();
+    app->add_option("IMAGE", options->test, "EXR file to judge")->type_name("FILE")->required();
+    app->add_option("REFERENCE", options->reference,
+                    "EXR file to judge by; the variance it carries is taken into account, and "
+                    "where more than half of the difference is its noise, nothing is judged "
+                    "(exit code 3)")
+        ->type_name("FILE")
+        ->required();
+    app->add_option("--layer", options->layer, "Layer to compare")
+        ->check(CLI::IsMember({"indirect", "direct", "indirect_diffuse", "beauty"}))
+        ->capture_default_str();
+    app->add_option("--json", options->json, "File for all figures as JSON; -: standard output")
+        ->type_name("FILE");
+    app->add_option("--heatmap", options->heatmap,
+                    "PNG file for the relative error of each pixel, 0.1% (violet) to 100% (yellow)")
+        ->type_name("FILE");
+    return {app, [options] { return runCompare(*options); }};
+}
+
+}  // namespace sheen::cli
