@@ -12,6 +12,7 @@
 #include <random>
 
 #include "core/parallel.h"
+#include "reference/guide.h"
 #include "reference/ray_scene.h"
 #include "reference/sampling.h"
 #include "reference/sobol.h"
@@ -364,6 +365,59 @@ TEST(Sampling, MixtureAgreesWithCosineSampling) {
     }
 }
 
+// ---- The guide ----------------------------------------------------------------------------------
+
+// Contributions of an 8 x 8 grid: all in one cell.
+Guide cornerGuide() {
+    std::vector<float> contributions(64, 0.0f);
+    contributions[7 * 8 + 7] = 5.0f;
+    return Guide(8, contributions);
+}
+
+TEST(Guide, KeepsIntegralsAndFollowsWhatItLearned) {
+    constexpr uint32_t kSamples = 1u << 16;
+    const Guide guide = cornerGuide();
+    double ones = 0.0, integral = 0.0;
+    int learned = 0;
+    for (uint32_t i = 0; i < kSamples; ++i) {
+        const GuidedPoint p = guide.warp(owenSobol(i, 5));
+        ASSERT_TRUE(p.u.x >= 0.0f && p.u.x < 1.0f && p.u.y >= 0.0f && p.u.y < 1.0f);
+        EXPECT_LE(p.weight, 1.0f / 0.3f + 1e-3f);
+        ones += p.weight;
+        integral += p.weight * p.u.x * p.u.x * p.u.y;
+        learned += p.u.x >= 0.75f && p.u.y >= 0.75f ? 1 : 0;
+    }
+    EXPECT_NEAR(ones / kSamples, 1.0, 1e-3);
+    EXPECT_NEAR(integral / kSamples, 1.0 / 6.0, 1e-3);
+    // The blur spreads the one cell over four: seven tenths of the samples and their uniform share.
+    EXPECT_NEAR(1.0 * learned / kSamples, 0.7 + 0.3 / 16.0, 1e-3);
+}
+
+TEST(Guide, ItsWeightsAreItsDensity) {
+    constexpr int kSamples = 1 << 16;
+    const Guide guide = cornerGuide();
+    std::vector<double> seen(64, 0.0), expected(64, 0.0);
+    for (uint32_t i = 0; i < kSamples; ++i) {
+        const GuidedPoint p = guide.warp(owenSobol(i, 9));
+        const auto cell = static_cast<size_t>(p.u.y * 8.0f) * 8 + static_cast<size_t>(p.u.x * 8.0f);
+        seen[cell] += 1.0;
+        expected[cell] = kSamples / (64.0 * p.weight);
+    }
+    for (size_t i = 0; i < 64; ++i) {
+        EXPECT_NEAR(seen[i], expected[i], 0.02 * expected[i] + 4.0) << i;
+    }
+}
+
+TEST(Guide, ThatLearnedNothingIsUniform) {
+    for (const Guide& guide : {Guide(), Guide(4, std::vector<float>(16, 0.0f))}) {
+        const GuidedPoint p = guide.warp(vec2(0.3f, 0.9f));
+        EXPECT_EQ(p.u, vec2(0.3f, 0.9f));
+        EXPECT_EQ(p.weight, 1.0f);
+    }
+    EXPECT_THROW(Guide(3, std::vector<float>(9, 1.0f)), std::logic_error);
+    EXPECT_THROW(Guide(4, std::vector<float>(9, 1.0f)), std::logic_error);
+}
+
 // ---- Closed forms -------------------------------------------------------------------------------
 
 // In a closed room of constant radiance Le, indirect light is the directional albedo times Le.
@@ -533,40 +587,47 @@ TEST(Reference, GBufferAtPixelCentres) {
 
 // ---- Variance and reproducibility ---------------------------------------------------------------
 
-TEST(Reference, VarianceIsThatOfRepeatedRuns) {
+// Mean over the pixels of the ratio of the variance seen between runs to the one they report.
+double varianceRatio(int spp) {
     constexpr int kRuns = 48, kSize = 8;
     const Scene scene = litRoom();
-    ReferenceParams params = smallParams(litRoomCamera(), kSize, 32);
-    std::vector<glm::dvec3> sum(kSize * kSize, glm::dvec3(0)), squares = sum, reported = sum;
+    ReferenceParams params = smallParams(litRoomCamera(), kSize, spp);
+    std::vector<double> sum(kSize * kSize, 0.0), squares = sum, reported = sum;
     for (int run = 0; run < kRuns; ++run) {
         params.seed = static_cast<uint32_t>(run);
         const Frame frame = renderReference(scene, params).frame;
         for (size_t i = 0; i < sum.size(); ++i) {
-            const glm::dvec3 v(frame.indirect.pixels[i]);
+            const double v = frame.indirect.pixels[i].y;
             sum[i] += v;
             squares[i] += v * v;
-            reported[i] += glm::dvec3(frame.indirect_variance.pixels[i]);
+            reported[i] += frame.indirect_variance.pixels[i].y;
         }
     }
-    // Every pixel's ratio of seen to reported variance, averaged: each scatters by sqrt(2/47) = 21%
-    // or more (heavy tails), their mean over 64 pixels by about 3%.
     double ratio = 0.0;
     for (size_t i = 0; i < sum.size(); ++i) {
-        const double mean = sum[i].y / kRuns;
-        const double seen = (squares[i].y - kRuns * mean * mean) / (kRuns - 1);
-        ratio += seen / (reported[i].y / kRuns) / static_cast<double>(sum.size());
+        const double mean = sum[i] / kRuns;
+        const double seen = (squares[i] - kRuns * mean * mean) / (kRuns - 1);
+        ratio += seen / (reported[i] / kRuns) / static_cast<double>(sum.size());
     }
-    EXPECT_NEAR(ratio, 1.0, 0.15);
+    return ratio;
+}
+
+TEST(Reference, VarianceIsThatOfRepeatedRuns) {
+    // Each pixel's ratio scatters by sqrt(2/47) = 21% or, with heavy tails, more; the mean of 64
+    // pixels by about 3%.
+    EXPECT_NEAR(varianceRatio(32), 1.0, 0.15);
+    EXPECT_NEAR(varianceRatio(256), 1.0, 0.15);  // guided
 }
 
 // Pixels that see a caustic are found by few paths, so that single ones stray further than a normal
 // distribution would; the image's mean does not.
 TEST(Reference, ErrorOfTheMeanIsWhatTheVarianceSays) {
     const Scene scene = litRoom();
-    const Frame truth = renderReference(scene, smallParams(litRoomCamera(), 8, 4096)).frame;
+    const Frame truth = renderReference(scene, smallParams(litRoomCamera(), 8, 8192)).frame;
     ReferenceParams params = smallParams(litRoomCamera(), 8, 64);
     for (uint32_t seed = 1; seed <= 8; ++seed) {
         params.seed = seed;
+        params.spp = seed % 2 == 0 ? 64 : 256;  // without and with the guide
         const Frame frame = renderReference(scene, params).frame;
         double error = 0.0, variance = 0.0;
         for (size_t i = 0; i < truth.indirect.pixels.size(); ++i) {

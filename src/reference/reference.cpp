@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "reference/guide.h"
 #include "reference/ray_scene.h"
 #include "reference/sampling.h"
 #include "reference/sobol.h"
@@ -18,6 +19,13 @@ using glm::dvec3;
 // A shadow ray ends this fraction short of its light: a light lying on a surface is not hidden by
 // it.
 constexpr float kShadowRayShare = 1.0f - 1e-5f;
+
+// Of the guide's paths; those of replicates are their index.
+constexpr uint32_t kGuideSeed = 0xffffffffu;
+
+constexpr int kGuideShare = 4;
+constexpr int kSmallestGuide = 8;
+constexpr int kLargestGuide = 32;
 
 struct Counters {
     int64_t rays = 0;
@@ -68,9 +76,18 @@ struct Indirect {
     vec3 diffuse{0.0f};
 };
 
-Indirect samplePath(const RayScene& rays, const Surface& p, const BrdfSampler& p_sampler,
-                    int bounces, uint32_t index, uint32_t seed, Counters& counters) {
-    const DirectionSample first = sampleBrdf(p_sampler, p.brdf, p.n, p.wo, owenSobol(index, seed));
+// Where a pixel's paths start: the point they leave and how they leave it.
+struct Start {
+    const Surface& p;
+    BrdfSampler sampler;
+    Guide guide;
+};
+
+Indirect samplePath(const RayScene& rays, const Start& start, int bounces, uint32_t index,
+                    uint32_t seed, Counters& counters) {
+    const Surface& p = start.p;
+    const GuidedPoint guided = start.guide.warp(owenSobol(index, seed));
+    const DirectionSample first = sampleBrdf(start.sampler, p.brdf, p.n, p.wo, guided.u);
     if (bounces == 0 || black(first.weight)) {
         return {};
     }
@@ -98,6 +115,7 @@ Indirect samplePath(const RayScene& rays, const Surface& p, const BrdfSampler& p
         ++counters.rays;
         hit = rays.intersect(q.rayOrigin(wi), wi);
     }
+    radiance *= guided.weight;
     return {.all = first.weight * radiance, .diffuse = first.diffuse * radiance};
 }
 
@@ -122,20 +140,40 @@ struct Context {
     const RayScene& rays;
     const ReferenceParams& params;
     int samples_per_replicate;
+    int guide_size;  // cells along a side; 0: no guide
 };
+
+// A guide from one path a cell: an aligned block of 4^k Sobol points has one in each.
+Guide learnGuide(const Context& context, const Start& start, uint32_t seed, Counters& counters) {
+    const int size = context.guide_size;
+    std::vector<float> contributions(static_cast<size_t>(size) * static_cast<size_t>(size));
+    for (uint32_t i = 0; i < contributions.size(); ++i) {
+        const vec2 u = owenSobol(i, seed);
+        const Indirect sample =
+            samplePath(context.rays, start, context.params.bounces, i, seed, counters);
+        const float sum = sample.all.x + sample.all.y + sample.all.z;
+        const auto column = static_cast<size_t>(u.x * static_cast<float>(size));
+        const auto row = static_cast<size_t>(u.y * static_cast<float>(size));
+        contributions[row * static_cast<size_t>(size) + column] = std::isfinite(sum) ? sum : 0.0f;
+    }
+    return Guide(size, contributions);
+}
 
 void estimateIndirect(const Context& context, const Surface& p, int x, int y, Frame& frame,
                       Counters& counters) {
     const ReferenceParams& params = context.params;
-    const BrdfSampler sampler(p.brdf, p.specular_albedo, p.n, p.wo);
+    Start start{.p = p, .sampler = {p.brdf, p.specular_albedo, p.n, p.wo}, .guide = {}};
     const uint32_t pixel_seed = hashCombine(
         hashCombine(hash32(params.seed), static_cast<uint32_t>(x)), static_cast<uint32_t>(y));
+    if (context.guide_size > 0) {
+        start.guide = learnGuide(context, start, hashCombine(pixel_seed, kGuideSeed), counters);
+    }
     Replicates all, diffuse;
     for (int replicate = 0; replicate < params.replicates; ++replicate) {
         const uint32_t seed = hashCombine(pixel_seed, static_cast<uint32_t>(replicate));
         dvec3 all_sum(0.0), diffuse_sum(0.0);
         for (int i = 0; i < context.samples_per_replicate; ++i) {
-            const Indirect sample = samplePath(context.rays, p, sampler, params.bounces,
+            const Indirect sample = samplePath(context.rays, start, params.bounces,
                                                static_cast<uint32_t>(i), seed, counters);
             if (!finite(sample.all) || !finite(sample.diffuse)) {
                 ++counters.nonfinite;
@@ -208,6 +246,17 @@ void checkParams(const ReferenceParams& params) {
     SHEEN_CHECK(params.replicates >= 2);
 }
 
+// The largest power of two with kGuideShare paths in the estimate for each one that teaches.
+int guideSize(const ReferenceParams& params) {
+    int size = 0;
+    for (int next = kSmallestGuide; next <= kLargestGuide; next *= 2) {
+        if (next * next * kGuideShare <= params.spp) {
+            size = next;
+        }
+    }
+    return params.bounces > 0 ? size : 0;
+}
+
 }  // namespace
 
 ReferenceResult renderReference(const Scene& scene, const ReferenceParams& params) {
@@ -217,7 +266,8 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
     const Context context{
         .rays = rays,
         .params = params,
-        .samples_per_replicate = (params.spp + params.replicates - 1) / params.replicates};
+        .samples_per_replicate = (params.spp + params.replicates - 1) / params.replicates,
+        .guide_size = guideSize(params)};
 
     ReferenceResult result;
     result.spp = context.samples_per_replicate * params.replicates;

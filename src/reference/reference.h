@@ -7,7 +7,7 @@
 //   direct(q -> p) = sum over punctual lights of f cos * irradiance * visibility.
 // More bounces continue the path from q to a fixed depth. Emitting triangles are not lights here:
 // they are found by gather rays only, so Le always counts, once.
-// Based on: [Kaj86], sampled by sampling.h at the points of sobol.h.
+// Based on: [Kaj86], sampled by sampling.h at the points of sobol.h, which guide.h warps.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,11 @@ struct ReferenceParams {
     int width = 512;
     int height = 512;
     Camera camera;
-    int bounces = 1;      ///< 1: exactly the integral above; 0: no indirect light
-    int spp = 256;        ///< gather paths a pixel; rounded up to a multiple of `replicates`.
-                          ///< Powers of two a replicate are stratified best.
+    int bounces = 1;  ///< 1: exactly the integral above; 0: no indirect light
+    /// Gather paths a pixel; rounded up to a multiple of `replicates`. Powers of two a replicate
+    /// are stratified best. From 256 on, up to a quarter as many paths come on top that only teach
+    /// the guide where light comes from.
+    int spp = 256;
     int replicates = 16;  ///< independent estimates the variance is taken from, at least 2
     uint32_t seed = 0;
     bool quiet = false;  ///< no progress
