@@ -1,0 +1,408 @@
+// The program from outside: exit codes, one line for every error, files whole or absent.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "image/exr.h"
+
+namespace sheen {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// A floor and a wall, each one triangle, lit by a point light, seen by a camera called "front".
+// The buffer: six positions, then their normals; no indices, so that the text stays readable.
+const char* const kScene = R"({
+  "asset": {"version": "2.0"},
+  "extensionsUsed": ["KHR_lights_punctual"],
+  "extensions": {"KHR_lights_punctual": {"lights": [
+    {"type": "point", "intensity": 20.0, "name": "lamp"}]}},
+  "scene": 0,
+  "scenes": [{"nodes": [0, 1, 2]}],
+  "nodes": [
+    {"mesh": 0},
+    {"translation": [0.5, 1, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+    {"camera": 0, "name": "front", "translation": [0, 1, 4]}],
+  "cameras": [{"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}],
+  "materials": [{"name": "plaster", "doubleSided": true,
+    "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.6}}],
+  "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "material": 0}]}],
+  "accessors": [{"bufferView": 0, "componentType": 5126, "count": 6, "type": "VEC3",
+    "min": [-4, 0, -4], "max": [4, 8, 4]},
+    {"bufferView": 0, "byteOffset": 72, "componentType": 5126, "count": 6, "type": "VEC3"}],
+  "bufferViews": [{"buffer": 0, "byteLength": 144}],
+  "buffers": [{"uri": "scene.bin", "byteLength": 144}]
+})";
+constexpr float kVertices[] = {-4, 0, 4, 4, 0, 4, 0, 0, -4, -4, 0, -1, 4, 0, -1, 0, 8, -1,
+                               0,  1, 0, 0, 1, 0, 0, 1, 0,  0,  0, 1,  0, 0, 1,  0, 0, 1};
+
+struct Outcome {
+    int code = 0;  ///< exit code, or minus the signal that ended the program
+    std::string out;
+    std::string err;
+};
+
+std::string textOf(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+class CliTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+        base_ = fs::temp_directory_path() / fmt::format("sheen_{}_{}", info->name(), getpid());
+        folder_ = base_ / "work";
+        fs::create_directories(folder_);
+        std::ofstream(file("scene.gltf")) << kScene;
+        std::ofstream(file("scene.bin"), std::ios::binary)
+            .write(reinterpret_cast<const char*>(kVertices), sizeof(kVertices));
+    }
+    void TearDown() override { fs::remove_all(base_); }
+
+    std::string file(const std::string& name) const { return (folder_ / name).string(); }
+
+    // Runs the program in the test's folder; `arguments` is shell text.
+    Outcome call(const std::string& arguments) const {
+        const std::string command =
+            fmt::format("cd '{}' && >'{}/out' 2>'{}/err' </dev/null '{}' {}", folder_.string(),
+                        base_.string(), base_.string(), SHEEN_PROGRAM, arguments);
+        const int status = std::system(command.c_str());
+        Outcome run;
+        run.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+        run.out = textOf(base_ / "out");
+        run.err = textOf(base_ / "err");
+        return run;
+    }
+
+    // The program must end with `code` and one error line holding `part`, and leave no new file.
+    void expectError(const std::string& arguments, ExitCode code, const std::string& part) const {
+        const std::vector<std::string> before = files();
+        const Outcome run = call(arguments);
+        EXPECT_EQ(run.code, static_cast<int>(code)) << arguments << "\n" << run.err;
+        EXPECT_EQ(run.err.rfind("sheen: error: ", 0), 0u) << arguments << "\n" << run.err;
+        EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+        EXPECT_NE(run.err.find(part), std::string::npos) << arguments << "\n" << run.err;
+        EXPECT_EQ(run.out, "") << arguments;
+        EXPECT_EQ(files(), before) << arguments;
+    }
+
+    std::vector<std::string> files() const {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder_)) {
+            names.push_back(entry.path().filename().string());
+        }
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+
+    fs::path base_;
+    fs::path folder_;
+};
+
+// Small enough to take milliseconds.
+const char* const kReference = "render scene.gltf --method reference --size 16x12 --spp 32";
+
+TEST_F(CliTest, versionAndHelp) {
+    EXPECT_EQ(call("--version").code, 0);
+    EXPECT_EQ(call("--version").out.rfind("sheen ", 0), 0u);
+    for (const char* arguments : {"--help", "render --help", "compare -h", "info --help"}) {
+        const Outcome run = call(arguments);
+        EXPECT_EQ(run.code, 0) << arguments;
+        EXPECT_NE(run.out.find("Usage: "), std::string::npos) << arguments;
+        EXPECT_EQ(run.err, "") << arguments;
+    }
+}
+
+TEST_F(CliTest, helpStatesDefaults) {
+    const std::string help = call("render --help").out;
+    for (const char* text : {"512x512", "=radiance", "=0.15", "=border", "=256", "=basic"}) {
+        EXPECT_NE(help.find(text), std::string::npos) << text;
+    }
+}
+
+TEST_F(CliTest, wrongCommands) {
+    expectError("", ExitCode::kUsage, "subcommand is required");
+    expectError("paint scene.gltf", ExitCode::kUsage, "paint: no such subcommand");
+    expectError("render", ExitCode::kUsage, "SCENE is required (see sheen render --help)");
+    expectError("render scene.gltf --fast", ExitCode::kUsage, "not expected: --fast");
+    expectError("render scene.gltf other.gltf", ExitCode::kUsage, "not expected: other.gltf");
+    expectError("render scene.gltf --size 8x8 --size 9x9", ExitCode::kUsage, "--size");
+    expectError("compare a.exr", ExitCode::kUsage, "REFERENCE is required");
+}
+
+TEST_F(CliTest, optionsOutOfRange) {
+    for (const char* option : {"--size 0x8",
+                               "--size 8",
+                               "--size 8x",
+                               "--size x8",
+                               "--size 8x8x8",
+                               "--size 16385x8",
+                               "--size -8x8",
+                               "--size 8x99999999999999999999",
+                               "--accuracy 0",
+                               "--accuracy 2.1",
+                               "--accuracy nan",
+                               "--accuracy inf",
+                               "--accuracy 0.1x",
+                               "--sh-order 1",
+                               "--sh-order 11",
+                               "--sh-order best",
+                               "--gather sphere",
+                               "--gather-size 7",
+                               "--gather-size 513",
+                               "--gather-size 64.5",
+                               "--gather-extent 0.5",
+                               "--gather-extent 11",
+                               "--method magic",
+                               "--method reference --spp 0",
+                               "--method reference --spp 65537",
+                               "--method reference --seed -1",
+                               "--method reference --bounces 0",
+                               "--threads -1",
+                               "--threads 257",
+                               "--layers some",
+                               "--exposure bright -o a.png",
+                               "--exposure nan -o a.png",
+                               "--exposure 51 -o a.png",
+                               "--accuracy"}) {
+        const std::string text = option;
+        const std::string name = text.substr(0, text.find(' '));
+        expectError("render scene.gltf " + text, ExitCode::kUsage,
+                    name == "--method" && text.find(" --") != std::string::npos ? "--" : name);
+    }
+}
+
+TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
+    for (const char* option : {"--spp 16", "--seed 1", "--bounces 2"}) {
+        expectError(fmt::format("render scene.gltf {}", option), ExitCode::kUsage, "radiance");
+        expectError(fmt::format("render scene.gltf --method irradiance {}", option),
+                    ExitCode::kUsage, "irradiance");
+    }
+    expectError("render scene.gltf --method irradiance --sh-order 4", ExitCode::kUsage,
+                "--sh-order: not an option of --method irradiance");
+    for (const char* option : {"--accuracy 0.1", "--sh-order 4", "--gather plane",
+                               "--gather-size 32", "--gather-extent 2"}) {
+        expectError(fmt::format("render scene.gltf --method reference {}", option),
+                    ExitCode::kUsage, "not an option of --method reference");
+    }
+    expectError("render scene.gltf --gather hemicube --gather-extent 2", ExitCode::kUsage,
+                "not an option of --gather hemicube");
+}
+
+TEST_F(CliTest, optionsTheFileDoesNotSupport) {
+    expectError("render scene.gltf -o a.exr --exposure 1", ExitCode::kUsage, "for PNG only");
+    expectError("render scene.gltf -o a.png --layers all", ExitCode::kUsage, "for EXR only");
+    expectError("render scene.gltf -o a.jpg", ExitCode::kUsage, "must end in .exr or .png");
+    expectError("render scene.gltf -o a", ExitCode::kUsage, "must end in .exr or .png");
+    expectError("render scene.gltf -o a.exr --json a.exr", ExitCode::kUsage, "image's name");
+    expectError("compare a.exr b.exr --layer normal", ExitCode::kUsage, "--layer");
+    expectError("compare a.exr b.exr --heatmap h.exr", ExitCode::kUsage, "must be a .png");
+}
+
+TEST_F(CliTest, badScenes) {
+    std::ofstream(file("text.glb")) << "this is no scene\n";
+    std::ofstream(file("empty.glb")) << "";
+    fs::create_directory(file("folder.glb"));
+    for (const char* command : {"render", "info"}) {
+        for (const char* scene : {"none.glb", "text.glb", "empty.glb", "folder.glb"}) {
+            expectError(fmt::format("{} {}", command, scene), ExitCode::kInput, scene);
+        }
+    }
+}
+
+TEST_F(CliTest, unknownCamera) {
+    expectError(std::string(kReference) + " --camera side", ExitCode::kUsage, "--camera side");
+    expectError(std::string(kReference) + " --camera 7", ExitCode::kUsage, "front");
+}
+
+TEST_F(CliTest, unwritableOutputIsFoundBeforeRendering) {
+    // So many paths that a render could not end within the test's time limit.
+    const std::string endless =
+        "render scene.gltf --method reference --size 4096x4096 --spp 65536 ";
+    fs::create_directory(file("folder.exr"));
+    expectError(endless + "-o none/a.exr", ExitCode::kEnvironment, "none/a.exr: cannot write");
+    expectError(endless + "-o folder.exr", ExitCode::kEnvironment, "is a directory");
+    expectError(endless + "-o a.exr --json none/a.json", ExitCode::kEnvironment, "none/a.json");
+    expectError("info scene.gltf --json none/a.json", ExitCode::kEnvironment, "none/a.json");
+}
+
+TEST_F(CliTest, fullStandardOutput) {
+    const Outcome run = call("info scene.gltf --json - >/dev/full");
+    EXPECT_EQ(run.code, 4) << run.err;
+    EXPECT_NE(run.err.find("standard output"), std::string::npos);
+}
+
+TEST_F(CliTest, renderNamesItsOutput) {
+    const Outcome run = call(kReference);
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("wrote     scene.exr (16x12, reference)"), std::string::npos) << run.out;
+    const LoadedExr exr = readExr(file("scene.exr"));
+    EXPECT_EQ(exr.width, 16);
+    EXPECT_EQ(exr.height, 12);
+    EXPECT_EQ(exr.colors.count("variance"), 1u);
+    EXPECT_EQ(exr.colors.count("normal"), 0u);
+    EXPECT_EQ(files(), (std::vector<std::string>{"scene.bin", "scene.exr", "scene.gltf"}));
+}
+
+TEST_F(CliTest, renderAllLayers) {
+    EXPECT_EQ(call(std::string(kReference) + " --layers all --camera front -o a.exr").code, 0);
+    EXPECT_EQ(readExr(file("a.exr")).colors.count("normal"), 1u);
+}
+
+TEST_F(CliTest, renderPng) {
+    for (const char* exposure : {"", " --exposure auto", " --exposure -2", " --exposure=1.5"}) {
+        const Outcome run = call(std::string(kReference) + " -o a.PNG" + exposure);
+        EXPECT_EQ(run.code, 0) << run.err;
+        EXPECT_EQ(textOf(file("a.PNG")).substr(1, 3), "PNG");
+    }
+}
+
+TEST_F(CliTest, renderJsonHoldsEveryFigure) {
+    const Outcome run = call(std::string(kReference) + " --json - -o a.exr --threads 1");
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Json json = Json::parse(run.out);
+    for (const char* key : {"method", "size", "threads", "records", "seconds", "pixels_uncovered",
+                            "nonfinite_pixels", "negative_pixels", "diffuse_share",
+                            "too_glossy_share", "sh_order", "gl_renderer", "mrays_per_second"}) {
+        EXPECT_TRUE(json.contains(key)) << key;
+    }
+    for (const char* key : {"total", "load", "gbuffer", "shadow", "placement", "gather", "project",
+                            "splat", "compose", "trace", "write"}) {
+        EXPECT_TRUE(json["seconds"].contains(key)) << key;
+    }
+    EXPECT_EQ(json["size"], Json::array({16, 12}));
+    EXPECT_EQ(json["threads"], 1);
+    EXPECT_GT(json["seconds"]["total"].get<double>(), 0.0);
+}
+
+TEST_F(CliTest, threadsAndRepetitionChangeNothing) {
+    ASSERT_EQ(call(std::string(kReference) + " -o a.exr --threads 1").code, 0);
+    ASSERT_EQ(call(std::string(kReference) + " -o b.exr --threads 2").code, 0);
+    ASSERT_EQ(call(std::string(kReference) + " -o c.exr --seed 1").code, 0);
+    EXPECT_EQ(textOf(file("a.exr")), textOf(file("b.exr")));
+    EXPECT_NE(textOf(file("a.exr")), textOf(file("c.exr")));
+}
+
+TEST_F(CliTest, interruptedRenderLeavesNothing) {
+    const std::vector<std::string> before = files();
+    // `timeout` sends the signal to the render once it is under way.
+    const std::string command = fmt::format(
+        "cd '{}' && timeout --signal=INT 1 '{}' render scene.gltf --method reference "
+        "--size 4096x4096 --spp 65536 >/dev/null 2>&1 </dev/null",
+        folder_.string(), SHEEN_PROGRAM);
+    EXPECT_NE(std::system(command.c_str()), 0);
+    EXPECT_EQ(files(), before);
+}
+
+TEST_F(CliTest, infoText) {
+    const Outcome run = call("info scene.gltf");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("2 triangles"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("plaster: roughness 0.6 (alpha 0.36)"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("light 0 lamp: point"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("camera 0 front"), std::string::npos) << run.out;
+}
+
+TEST_F(CliTest, infoJson) {
+    ASSERT_EQ(call("info scene.gltf --json a.json").code, 0);
+    const Json json = Json::parse(textOf(file("a.json")));
+    EXPECT_EQ(json["triangles"], 2);
+    EXPECT_EQ(json["vertices"], 6);
+    EXPECT_EQ(json["materials"][0]["name"], "plaster");
+    EXPECT_EQ(json["lights"][0]["kind"], "point");
+    EXPECT_EQ(json["cameras"][0]["name"], "front");
+    EXPECT_EQ(json["bounds"]["upper"], Json::array({4.0, 8.0, 4.0}));
+}
+
+// Two frames of 4 x 4 pixels: the reference 1 everywhere, the test 1.1; with `variance`.
+void writePair(const std::string& test, const std::string& reference, float variance) {
+    Frame frame;
+    frame.primitive = Image<uint32_t>(4, 4, 0u);
+    frame.indirect = Image<vec3>(4, 4, vec3(1.0f));
+    frame.direct = Image<vec3>(4, 4, vec3(2.0f));
+    frame.indirect_variance = Image<vec3>(4, 4, vec3(variance));
+    writeExr(reference, frame, ExrLayers::kBasic);
+    frame.indirect = Image<vec3>(4, 4, vec3(1.1f));
+    frame.primitive.at(0, 0) = 1;
+    writeExr(test, frame, ExrLayers::kBasic);
+}
+
+TEST_F(CliTest, compareFigures) {
+    writePair(file("a.exr"), file("b.exr"), 0.0f);
+    const Outcome run = call("compare a.exr b.exr --json - --heatmap h.png");
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Json json = Json::parse(run.out);
+    EXPECT_EQ(json.size(), 9u);
+    EXPECT_NEAR(json["rel_rmse"].get<double>(), 0.1, 1e-6);
+    EXPECT_NEAR(json["rel_mse"].get<double>(), 0.01, 1e-6);
+    EXPECT_NEAR(json["bias"].get<double>(), 0.1, 1e-6);
+    EXPECT_EQ(json["noise_share"], 0.0);
+    EXPECT_EQ(json["excluded"], 1);
+    for (const char* key : {"median", "p99", "max", "tile_max"}) {
+        EXPECT_TRUE(json.contains(key)) << key;
+    }
+    EXPECT_EQ(textOf(file("h.png")).substr(1, 3), "PNG");
+    const Outcome text = call("compare a.exr b.exr");
+    EXPECT_NE(text.out.find("rel_rmse    10.000%"), std::string::npos) << text.out;
+}
+
+TEST_F(CliTest, compareTakesTheVarianceOff) {
+    writePair(file("a.exr"), file("b.exr"), 0.0036f);
+    const Outcome run = call("compare a.exr b.exr --json -");
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Json json = Json::parse(run.out);
+    EXPECT_NEAR(json["rel_rmse"].get<double>(), 0.08, 1e-6);
+    EXPECT_NEAR(json["noise_share"].get<double>(), 0.36, 1e-5);
+}
+
+TEST_F(CliTest, compareRefusesANoisyReference) {
+    writePair(file("a.exr"), file("b.exr"), 0.006f);
+    const Outcome run = call("compare a.exr b.exr --json a.json");
+    EXPECT_EQ(run.code, 3);
+    EXPECT_NE(run.err.find("not judged: 60% of the difference"), std::string::npos) << run.err;
+    EXPECT_NEAR(Json::parse(textOf(file("a.json")))["noise_share"].get<double>(), 0.6, 1e-5);
+}
+
+TEST_F(CliTest, compareMismatches) {
+    writePair(file("a.exr"), file("b.exr"), 0.0f);
+    Frame wide;
+    wide.primitive = Image<uint32_t>(5, 4, 0u);
+    wide.indirect = Image<vec3>(5, 4, vec3(1.0f));
+    writeExr(file("wide.exr"), wide, ExrLayers::kBasic);
+    Frame nothing;
+    nothing.primitive = Image<uint32_t>(4, 4, kNoPrimitive);
+    nothing.indirect = Image<vec3>(4, 4);
+    writeExr(file("nothing.exr"), nothing, ExrLayers::kBasic);
+    std::ofstream(file("text.exr")) << "no image\n";
+
+    expectError("compare a.exr none.exr", ExitCode::kInput, "none.exr: no such file");
+    expectError("compare text.exr b.exr", ExitCode::kInput, "text.exr: not an EXR file");
+    expectError("compare a.exr b.exr --layer indirect_diffuse", ExitCode::kInput,
+                "no layer 'indirect_diffuse'");
+    expectError("compare wide.exr b.exr", ExitCode::kInput, "5");
+    EXPECT_EQ(call("compare nothing.exr b.exr").code, 3);
+    EXPECT_EQ(call("compare a.exr b.exr --layer direct").code, 0);
+}
+
+TEST_F(CliTest, compareReferenceWithItself) {
+    ASSERT_EQ(call(std::string(kReference) + " -o a.exr").code, 0);
+    ASSERT_EQ(call(std::string(kReference) + " -o b.exr --seed 1").code, 0);
+    const Outcome same = call("compare a.exr a.exr --json -");
+    ASSERT_EQ(same.code, 0) << same.err;
+    EXPECT_EQ(Json::parse(same.out)["rel_rmse"], 0.0);
+    // Two renders of equal noise: half of the squared difference is the reference's.
+    const Json other = Json::parse(call("compare b.exr a.exr --json -").out);
+    EXPECT_GT(other["noise_share"].get<double>(), 0.2);
+}
+
+}  // namespace
+}  // namespace sheen
