@@ -60,10 +60,11 @@ std::vector<std::string> keysOf(const std::map<std::string, T>& map) {
 }
 
 void addImageOptions(CLI::App& app, RenderOptions& o) {
-    app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")->required();
+    app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")->type_name("FILE")->required();
     app.add_option("-o,--output", o.output,
                    "Image to write, .exr (all figures) or .png (to look at); "
-                   "default: the scene's name with .exr, in the current folder");
+                   "default: the scene's name with .exr, in the current folder")
+        ->type_name("FILE");
     app.add_option("--size", o.size, "Width x height in pixels, each 1..16384")
         ->capture_default_str();
     app.add_option("--camera", o.params.camera, "Name or number of a camera; default: the first");
@@ -106,11 +107,11 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                            "(larsen), or a hemicube")
                 ->check(CLI::IsMember(keysOf(kHemispheres))),
             cached);
-    limited(app.add_option("--gather-size", p.gather_size,
+    limited(app.add_option("--gather-size", p.gather.size,
                            "radiance, irradiance: texels along a side of that plane")
                 ->check(numberIn(8, 512)),
             cached);
-    o.extent_option = limited(app.add_option("--gather-extent", p.gather_extent,
+    o.extent_option = limited(app.add_option("--gather-extent", p.gather.extent,
                                              "radiance, irradiance: half-width of that plane at "
                                              "distance 1; not for the hemicube")
                                   ->check(numberIn(1, 10)),
@@ -128,7 +129,8 @@ void addProgramOptions(CLI::App& app, RenderOptions& o) {
     app.add_option("--threads", o.threads, "Threads to use; 0: one a hardware thread")
         ->check(numberIn(0, 256))
         ->capture_default_str();
-    app.add_option("--json", o.json, "File for all figures as JSON; -: standard output");
+    app.add_option("--json", o.json, "File for all figures as JSON; -: standard output")
+        ->type_name("FILE");
 }
 
 void checkMethodOptions(const RenderOptions& o) {
@@ -142,7 +144,7 @@ void checkMethodOptions(const RenderOptions& o) {
     if (o.params.method != Method::kReference && o.params.bounces != 1) {
         throwUsage("--bounces {}: --method {} computes one bounce", o.params.bounces, o.method);
     }
-    if (o.params.gather == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
+    if (o.params.gather.kind == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
         throwUsage("--gather-extent: not an option of --gather hemicube");
     }
 }
@@ -259,7 +261,7 @@ ExitCode runRender(RenderOptions& o) {
     o.params.width = size.x;
     o.params.height = size.y;
     o.params.method = kMethods.at(o.method);
-    o.params.gather = kHemispheres.at(o.gather);
+    o.params.gather.kind = kHemispheres.at(o.gather);
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.all_layers = o.layers == "all";
     parseExposure(o.exposure);

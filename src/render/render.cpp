@@ -3,7 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cache/classes.h"
+#include "cache/gather.h"
+#include "cache/placement.h"
+#include "core/parallel.h"
+#include "core/timer.h"
+#include "raster/gbuffer.h"
+#include "raster/gpu_scene.h"
 #include "reference/reference.h"
+#include "splat/splat.h"
 
 namespace sheen {
 namespace {
@@ -36,6 +44,76 @@ RenderResult renderByReference(const Scene& scene, const RenderParams& params) {
     return result;
 }
 
+std::vector<MaterialOrder> nameOrders(const Scene& scene, const std::vector<int>& orders) {
+    std::vector<MaterialOrder> named;
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+        named.push_back({scene.materials[i].name, orders[i]});
+    }
+    return named;
+}
+
+// scene -> raster (shadow maps, G-buffer) -> classes -> placement, which gathers and projects ->
+// splat -> compose.
+RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
+    const bool irradiance_only = params.method == Method::kIrradiance;
+    const Camera& camera = findCamera(scene, params.camera);
+    RenderResult result;
+    StageSeconds& seconds = result.stats.seconds;
+
+    gl::WorkerPool pool(threadCount());
+    result.stats.gl_renderer = pool.renderer();
+
+    Timer shadow_timer;
+    GpuScene gpu;
+    pool.runOnFirst([&] { gpu = uploadScene(scene); });
+    renderShadowMaps(pool, scene, gpu);
+    seconds.shadow = shadow_timer.seconds();
+
+    Timer gbuffer_timer;
+    const GBuffer gbuffer = renderGBuffer(pool, scene, gpu, camera, params.width, params.height);
+    const PixelClasses classes =
+        classifyPixels(scene, gbuffer, params.sh_order, irradiance_only);
+    seconds.gbuffer = gbuffer_timer.seconds();
+
+    Timer placement_timer;
+    Placement placement;
+    const PlacementParams placement_params{.accuracy = params.accuracy, .quiet = params.quiet};
+    {
+        Gatherer gatherer(pool, scene, gpu, params.gather);
+        placement = placeRecords(
+            scene, gbuffer, classes, placement_params,
+            [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); },
+            gatherer.batchSize());
+        seconds.gather = gatherer.seconds().raster;
+        seconds.project = gatherer.seconds().project;
+    }
+    seconds.placement = placement_timer.seconds() - seconds.gather - seconds.project;
+
+    Timer splat_timer;
+    const PixelLobes lobes = buildLobes(gbuffer, classes);
+    const SplatBuffer splat = splatGpu(pool, gbuffer, classes, lobes, placement.cache,
+                                       placement_params.weight());
+    seconds.splat = splat_timer.seconds();
+
+    Timer compose_timer;
+    const ComposeCounts counts =
+        compose(gbuffer, classes, lobes, splat, irradiance_only, result.frame);
+    pool.runOnFirst([&] { gpu = {}; });
+    countPixels(result);
+    seconds.compose = compose_timer.seconds();
+
+    RenderStats& stats = result.stats;
+    stats.records = static_cast<int>(placement.cache.records.size());
+    stats.pixels_uncovered = placement.uncovered;
+    stats.nonfinite_pixels += counts.nonfinite;
+    stats.negative_pixels = counts.negative;
+    const double geometry = std::max(classes.geometry, 1);
+    stats.diffuse_share = classes.diffuse / geometry;
+    stats.too_glossy_share = classes.too_glossy / geometry;
+    stats.sh_order = nameOrders(scene, classes.material_orders);
+    return result;
+}
+
 }  // namespace
 
 RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
@@ -44,9 +122,9 @@ RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
             return renderByReference(scene, params);
         case Method::kRadiance:
         case Method::kIrradiance:
-            break;
+            return renderByCache(scene, params);
     }
-    throw std::logic_error("this method is not built yet");
+    throw std::logic_error("unknown method");
 }
 
 }  // namespace sheen

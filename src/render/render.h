@@ -5,14 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "hemisphere/hemisphere.h"
 #include "image/frame.h"
 #include "scene/scene.h"
 
 namespace sheen {
 
 enum class Method { kRadiance, kIrradiance, kReference };
-/// How a record's hemisphere is covered, see hemisphere/.
-enum class HemisphereKind { kBorder, kPlane, kLarsen, kHemicube };
 
 /// Everything that changes the image. Defaults were chosen by measurement (docs/decisions.md).
 struct RenderParams {
@@ -23,9 +22,7 @@ struct RenderParams {
     // The cached methods.
     float accuracy = 0.15f;  ///< Ward's a: smaller is better and slower
     int sh_order = 0;        ///< 0: chosen per material
-    HemisphereKind gather = HemisphereKind::kBorder;
-    int gather_size = 64;       ///< texels along a side of the plane
-    float gather_extent = 3.0f; ///< half-extent of the plane at distance 1
+    HemisphereParams gather;
     // The reference.
     int bounces = 1;
     int spp = 256;  ///< rays a pixel, over all replicates

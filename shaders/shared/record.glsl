@@ -1,0 +1,76 @@
+// A record of the cache and how it serves a point: weight and extrapolation, the same on CPU and GPU.
+// Based on: [WRC88], [GKB09, 8.1-8.2], [WH92].
+#ifndef SHARED_RECORD_GLSL
+#define SHARED_RECORD_GLSL
+
+#include "shared/language.glsl"
+
+// A point is covered when its weights sum to at least this. (A test for exactly zero would differ
+// between CPU and GPU and leave black pixels.)
+const float MIN_WEIGHT_SUM = 0.05f;
+
+// Order of records that hold irradiance only.
+const int DIFFUSE_ORDER = 0;
+
+struct Record {
+    vec3 position;        // world space
+    float radius;         // R of the weight function, after all clamps
+    vec3 normal;          // unit
+    int order;            // of its spherical harmonics; DIFFUSE_ORDER: none
+    vec3 tangent;         // unit; SH gradients are along it and along cross(normal, tangent)
+    int sh_first;         // index of its first SH coefficient
+    vec3 irradiance;      // RGB, W/m^2 in glTF's photometric scale (lux)
+    float pad0;
+    vec3 rotation_r;      // per channel: change of irradiance is dot(n - n_k, rotation)
+    float pad1;
+    vec3 rotation_g;
+    float pad2;
+    vec3 rotation_b;
+    float pad3;
+    vec3 translation_r;   // per channel: change is dot(p - p_k, translation); tangential
+    float pad4;
+    vec3 translation_g;
+    float pad5;
+    vec3 translation_b;
+    float pad6;
+};
+
+struct WeightParams {
+    float accuracy;       // a
+    float normal_weight;  // k_n: how much a tilt counts against a distance
+    float slab;           // c: half-thickness of the region served, relative to a R
+};
+
+// Weight of a record with radius R at p_k, n_k for the point p, n: positive where it serves, 0
+// elsewhere. `footprint` is the width of the point's pixel: closer than half of it all points are
+// the same, which keeps the weight finite. [GKB09, eq. 8.2, and the shift of section 8.2]
+FN float recordWeight(IN(WeightParams) w, IN(vec3) p_k, IN(vec3) n_k, float R, IN(vec3) p, IN(vec3) n,
+                      float footprint) {
+    vec3 d = p - p_k;
+    float reach = w.accuracy * R;
+    float d2 = dot(d, d);
+    if (d2 >= reach * reach) {
+        return 0.0f;
+    }
+    // In front of or behind the surface both normals agree on: another surface. Two-sided, and
+    // relative to the region's size so that it holds in scenes of any scale.
+    if (0.5f * abs(dot(d, n + n_k)) > w.slab * reach) {
+        return 0.0f;
+    }
+    float tilt = max(1.0f - dot(n, n_k), 0.0f);
+    float e = sqrt(d2) / R + sqrt(w.normal_weight * tilt);
+    float e_min = 0.5f * footprint / R;
+    return max(w.accuracy / max(e, e_min) - 1.0f, 0.0f);
+}
+
+// Irradiance at p, n extrapolated from a record; never negative.
+FN vec3 recordIrradiance(IN(Record) k, IN(vec3) p, IN(vec3) n) {
+    vec3 dn = n - k.normal;
+    vec3 d = p - k.position;
+    return max(k.irradiance + vec3(dot(dn, k.rotation_r) + dot(d, k.translation_r),
+                                   dot(dn, k.rotation_g) + dot(d, k.translation_g),
+                                   dot(dn, k.rotation_b) + dot(d, k.translation_b)),
+               vec3(0.0f));
+}
+
+#endif

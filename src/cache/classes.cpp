@@ -1,0 +1,128 @@
+#include "cache/classes.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "cache/record.h"
+#include "core/parallel.h"
+#include "scene/brdf_albedo.h"
+#include "sh/brdf_sh.h"
+
+namespace sheen {
+namespace {
+
+// Predictions over view cosine and roughness, looked up per pixel.
+class PredictionTable {
+  public:
+    PredictionTable() {
+        for (int y = 0; y < kRoughness; ++y) {
+            for (int x = 0; x < kMu; ++x) {
+                const float root = static_cast<float>(x) / (kMu - 1);
+                entries_[y][x] =
+                    predictLobeError(root * root, static_cast<float>(y) / (kRoughness - 1));
+            }
+        }
+    }
+    const LobePrediction& at(float NoV, float roughness) const {
+        const int x = static_cast<int>(std::sqrt(std::clamp(NoV, 0.0f, 1.0f)) * (kMu - 1) + 0.5f);
+        const int y =
+            static_cast<int>(std::clamp(roughness, 0.0f, 1.0f) * (kRoughness - 1) + 0.5f);
+        return entries_[y][x];
+    }
+
+  private:
+    static constexpr int kMu = 24;
+    static constexpr int kRoughness = 48;
+    LobePrediction entries_[kRoughness][kMu];
+};
+
+const PredictionTable& predictions() {
+    static const PredictionTable table;
+    return table;
+}
+
+float mean(const vec3& v) {
+    return (v.x + v.y + v.z) / 3.0f;
+}
+
+// Share of the specular lobe in what a surface reflects of constant light.
+float specularShare(const vec3& diffuse, const vec3& f0, float f90, const vec2& albedo_ab) {
+    const float specular = mean(f0) * albedo_ab.x + f90 * albedo_ab.y;
+    return specular / std::max(specular + mean(diffuse), 1e-12f);
+}
+
+}  // namespace
+
+int materialOrder(const MaterialParams& material, int sh_order) {
+    // Views spread over the hemisphere; grazing ones count, as floors are seen that way.
+    constexpr float kViews[] = {0.95f, 0.75f, 0.5f, 0.3f};
+    float worst[shared::SH_MAX_ORDER + 1] = {};
+    float as_diffuse = 0.0f;
+    for (float NoV : kViews) {
+        const vec2 albedo = brdfAlbedo(NoV, material.roughness);
+        const Brdf brdf = shared::makeBrdf(material, albedo);
+        const float share = specularShare(brdf.diffuse, brdf.f0, brdf.f90, albedo);
+        const LobePrediction& p = predictions().at(NoV, material.roughness);
+        for (int n = 1; n <= shared::SH_MAX_ORDER; ++n) {
+            worst[n] = std::max(worst[n], share * p.truncated[n]);
+        }
+        as_diffuse = std::max(as_diffuse, share * p.as_diffuse);
+    }
+    if (as_diffuse < kDiffuseBudget) {
+        return shared::DIFFUSE_ORDER;
+    }
+    if (sh_order > 0) {
+        return sh_order;
+    }
+    int order = 3;
+    while (order < shared::SH_MAX_ORDER && worst[order] > kTruncationBudget) {
+        ++order;
+    }
+    return order;
+}
+
+PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_order,
+                            bool irradiance_only) {
+    PixelClasses classes;
+    classes.orders = Image<int>(gbuffer.width, gbuffer.height, kNoOrder);
+    for (const Material& material : scene.materials) {
+        classes.material_orders.push_back(
+            irradiance_only ? shared::DIFFUSE_ORDER : materialOrder(material.params, sh_order));
+    }
+    std::atomic<int> too_glossy = 0;
+    parallelFor(gbuffer.height, [&](int y) {
+        for (int x = 0; x < gbuffer.width; ++x) {
+            const int i = y * gbuffer.width + x;
+            if (!gbuffer.seen(i)) {
+                continue;
+            }
+            int& order = classes.orders.at(x, y);
+            const uint32_t triangle = gbuffer.primitive.at(x, y);
+            order = classes.material_orders[scene.materials_of[triangle]];
+            if (order == shared::DIFFUSE_ORDER) {
+                continue;
+            }
+            const vec4 normal = gbuffer.normal.at(x, y);
+            const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(gbuffer.position.at(x, y)));
+            const float NoV = glm::dot(vec3(normal), wo);
+            const vec4 diffuse = gbuffer.diffuse.at(x, y);
+            const float share = specularShare(vec3(diffuse), vec3(gbuffer.f0.at(x, y)), diffuse.w,
+                                              brdfAlbedo(NoV, normal.w));
+            const LobePrediction& p = predictions().at(NoV, normal.w);
+            if (share * p.as_diffuse < kDiffuseBudget) {
+                order = shared::DIFFUSE_ORDER;
+            } else if (share * p.truncated[order] > kTooGlossy) {
+                ++too_glossy;
+            }
+        }
+    });
+    classes.too_glossy = too_glossy;
+    for (int order : classes.orders.pixels) {
+        classes.geometry += order != kNoOrder ? 1 : 0;
+        classes.diffuse += order == shared::DIFFUSE_ORDER ? 1 : 0;
+    }
+    return classes;
+}
+
+}  // namespace sheen

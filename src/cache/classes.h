@@ -1,0 +1,38 @@
+// Which pixels pay for what: irradiance only, or spherical harmonics of how many bands.
+#pragma once
+
+#include <vector>
+
+#include "image/image.h"
+#include "raster/gbuffer.h"
+
+namespace sheen {
+
+/// Order of a pixel that sees no geometry.
+constexpr int kNoOrder = -1;
+/// A pixel is diffuse where replacing its specular lobe by a cosine of the same albedo is predicted
+/// to change it by less than this share.
+constexpr float kDiffuseBudget = 0.005f;
+/// A material gets the smallest order whose truncated bands are predicted to change its pixels by
+/// less than this share.
+constexpr float kTruncationBudget = 0.01f;
+/// A pixel is too glossy for the cache where even the highest order misses that by this much.
+constexpr float kTooGlossy = 0.05f;
+
+struct PixelClasses {
+    Image<int> orders;                 ///< per pixel: kNoOrder, shared::DIFFUSE_ORDER or bands
+    std::vector<int> material_orders;  ///< per material of the scene
+    int geometry = 0;                  ///< pixels that see geometry
+    int diffuse = 0;                   ///< of these, diffuse
+    int too_glossy = 0;                ///< of these, smoother than the highest order resolves
+};
+
+/// The order that `sh_order` (0: by prediction) gives a material; shared::DIFFUSE_ORDER for one
+/// whose specular lobe never matters.
+int materialOrder(const MaterialParams& material, int sh_order);
+
+/// Classifies every pixel; `irradiance_only`: all as diffuse.
+PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_order,
+                            bool irradiance_only);
+
+}  // namespace sheen

@@ -1,0 +1,158 @@
+#include "cache/gather.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/timer.h"
+#include "sh/projection.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kBatch = 8;  // records that one worker draws before it shades and reads back
+// Distance from the surface relative to the near plane: less, so that what the lift uncovers of the
+// record's own surface is clipped.
+constexpr float kLiftOverNear = 0.25f;
+
+}  // namespace
+
+// What one worker owns: framebuffers, programs and its time.
+struct Gatherer::Worker {
+    gl::Texture visibility, depth, radiance;
+    gl::Framebuffer first, second;
+    gl::VertexArray empty;
+    gl::Program shade;
+    gl::Buffer views;
+    ClusterDrawer drawer;
+    std::vector<vec4> pixels;  // as read back: [y][record][x]
+    std::vector<vec4> texels;  // of one record
+    GatherSeconds seconds;
+};
+
+Gatherer::Gatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
+                   const HemisphereParams& params)
+    : pool_(pool), gpu_(gpu), hemisphere_(makeHemisphere(params)) {
+    near_ = nearDistance(scene);
+    lift_ = kLiftOverNear * near_;
+    projection_.resize(shared::SH_MAX_ORDER + 1);
+    workers_.resize(static_cast<size_t>(pool.size()));
+    pool.run([&](int index) {
+        using namespace gl;
+        auto worker = std::make_unique<Worker>();
+        const int width = kBatch * hemisphere_.width;
+        const int height = hemisphere_.height;
+        worker->visibility = makeTexture2d(GL_R32UI, width, height);
+        worker->depth = makeTexture2d(GL_DEPTH_COMPONENT32F, width, height);
+        worker->radiance = makeTexture2d(GL_RGBA32F, width, height);
+        const GLuint visibility = worker->visibility.name();
+        const GLuint radiance = worker->radiance.name();
+        worker->first = makeFramebuffer({&visibility, 1}, worker->depth.name());
+        worker->second = makeFramebuffer({&radiance, 1}, 0);
+        worker->empty = makeVertexArray();
+        worker->shade = Program("raster/fullscreen.vert", "gather/shade.frag", shadingDefines(1));
+        worker->shade.set("tile_width", hemisphere_.width);
+        worker->shade.set("face_count", static_cast<int>(hemisphere_.faces.size()));
+        for (size_t i = 0; i < hemisphere_.faces.size(); ++i) {
+            const HemisphereFace& f = hemisphere_.faces[i];
+            worker->shade.set(fmt::format("faces[{}]", i).c_str(),
+                              vec4(f.x, f.y, f.width, f.height));
+        }
+        worker->views = makeBuffer(std::span<const View>());
+        worker->drawer = ClusterDrawer(gpu, "raster/visibility.frag");
+        worker->pixels.resize(static_cast<size_t>(width) * height);
+        worker->texels.resize(static_cast<size_t>(hemisphere_.texelCount()));
+        workers_[static_cast<size_t>(index)] = std::move(worker);
+    });
+}
+
+Gatherer::~Gatherer() {
+    pool_.run([&](int index) { workers_[static_cast<size_t>(index)].reset(); });
+}
+
+int Gatherer::batchSize() const {
+    return kBatch * pool_.size();
+}
+
+GatherSeconds Gatherer::seconds() const {
+    GatherSeconds mean;
+    for (const auto& worker : workers_) {
+        mean.raster += worker->seconds.raster / static_cast<double>(workers_.size());
+        mean.project += worker->seconds.project / static_cast<double>(workers_.size());
+    }
+    return mean;
+}
+
+std::vector<GatheredRecord> Gatherer::gather(std::span<const RecordSite> sites) {
+    for (const RecordSite& site : sites) {
+        auto& projection = projection_[static_cast<size_t>(site.order)];
+        if (site.order > shared::DIFFUSE_ORDER && projection.empty()) {
+            projection = projectionMatrix(hemisphere_, {.order = site.order});
+        }
+    }
+    std::vector<GatheredRecord> results(sites.size());
+    const int faces = static_cast<int>(hemisphere_.faces.size());
+    const auto total = static_cast<int>(sites.size());
+    // Consecutive sites go to one worker in equal shares; which worker has no effect on a result.
+    pool_.run([&](int index) {
+        using namespace gl;
+        Worker& w = *workers_[static_cast<size_t>(index)];
+        const int last = total * (index + 1) / pool_.size();
+        for (int begin = total * index / pool_.size(); begin < last; begin += kBatch) {
+            const Timer raster_timer;
+            const int count = std::min(kBatch, last - begin);
+            std::vector<View> views;
+            for (int i = begin; i < begin + count; ++i) {
+                const RecordSite& site = sites[static_cast<size_t>(i)];
+                const mat3 frame = tangentFrame(site.normal);
+                const vec3 eye = site.position + lift_ * site.geometric_normal;
+                for (const HemisphereFace& f : hemisphere_.faces) {
+                    views.push_back(perspectiveView(eye, frame * f.right, frame * f.up,
+                                                    frame * f.forward, near_));
+                }
+            }
+            w.drawer.setViews(views);
+            refillBuffer(w.views, std::span<const View>(views));
+            glBindFramebuffer(GL_FRAMEBUFFER, w.first.name());
+            const GLuint none[4] = {0, 0, 0, 0};
+            const float far_depth = 0.0f;
+            glClearNamedFramebufferuiv(w.first.name(), GL_COLOR, 0, none);
+            glClearNamedFramebufferfv(w.first.name(), GL_DEPTH, 0, &far_depth);
+            glEnable(GL_DEPTH_TEST);
+            for (int i = 0; i < count; ++i) {
+                for (int f = 0; f < faces; ++f) {
+                    const HemisphereFace& face = hemisphere_.faces[static_cast<size_t>(f)];
+                    glViewport(i * hemisphere_.width + face.x, face.y, face.width, face.height);
+                    w.drawer.draw(gpu_, i * faces + f);
+                }
+            }
+            glDisable(GL_DEPTH_TEST);
+            const int width = count * hemisphere_.width;
+            glBindFramebuffer(GL_FRAMEBUFFER, w.second.name());
+            glViewport(0, 0, width, hemisphere_.height);
+            bindShading(gpu_, w.shade);
+            glBindTextureUnit(1, w.visibility.name());
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, w.views.name());
+            glBindVertexArray(w.empty.name());
+            drawFullscreen();
+            glReadPixels(0, 0, width, hemisphere_.height, GL_RGBA, GL_FLOAT, w.pixels.data());
+            w.seconds.raster += raster_timer.seconds();
+
+            const Timer project_timer;
+            for (int i = 0; i < count; ++i) {
+                for (int y = 0; y < hemisphere_.height; ++y) {
+                    std::copy_n(&w.pixels[static_cast<size_t>(y * width + i * hemisphere_.width)],
+                                hemisphere_.width,
+                                &w.texels[static_cast<size_t>(y * hemisphere_.width)]);
+                }
+                const RecordSite& site = sites[static_cast<size_t>(begin + i)];
+                results[static_cast<size_t>(begin + i)] = integrateHemisphere(
+                    hemisphere_, w.texels, projection_[static_cast<size_t>(site.order)], site);
+            }
+            w.seconds.project += project_timer.seconds();
+        }
+    });
+    return results;
+}
+
+}  // namespace sheen

@@ -1,0 +1,159 @@
+// From the texels of a hemisphere to a record.
+#include <algorithm>
+#include <cmath>
+
+#include "cache/gather.h"
+#include "core/error.h"
+#include "sh/sh.h"
+
+namespace sheen {
+namespace {
+
+// Translation gradients: when the record moves, solid angle passes between neighbouring texels
+// across their common wall, at the rate of the nearer one's parallax. The exchanged radiance is
+// added half to each texel, as the change of its radiance times solid angle: [axis][channel][texel].
+// `cosine_gradient`: the same with the cosine, summed: the irradiance's gradient. [WH92]
+struct TranslationGradient {
+    vec3 cosine_gradient[2] = {};
+    std::vector<float> exchanged[2][3];
+};
+
+TranslationGradient translationGradient(const Hemisphere& h, std::span<const vec4> texels,
+                                        std::span<const float> inverse_distance, bool per_texel) {
+    TranslationGradient g;
+    if (per_texel) {
+        for (auto& axis : g.exchanged) {
+            for (auto& channel : axis) {
+                channel.assign(texels.size(), 0.0f);
+            }
+        }
+    }
+    for (const HemisphereWall& wall : h.walls) {
+        const vec3 step = vec3(texels[wall.a]) - vec3(texels[wall.b]);
+        const float rate = std::max(inverse_distance[wall.a], inverse_distance[wall.b]);
+        const vec3 change = -rate * step;
+        g.cosine_gradient[0] += change * wall.cosine_motion.x;
+        g.cosine_gradient[1] += change * wall.cosine_motion.y;
+        if (!per_texel) {
+            continue;
+        }
+        for (int axis = 0; axis < 2; ++axis) {
+            const float half_motion = 0.5f * wall.motion[axis];
+            for (int channel = 0; channel < 3; ++channel) {
+                const float value = half_motion * change[channel];
+                g.exchanged[axis][channel][wall.a] += value;
+                g.exchanged[axis][channel][wall.b] += value;
+            }
+        }
+    }
+    return g;
+}
+
+float dotProduct(const float* a, const float* b, size_t n) {
+    // Several partial sums: the compiler may not reorder one.
+    constexpr size_t kLanes = 16;
+    float lanes[kLanes] = {};
+    size_t i = 0;
+    for (; i + kLanes <= n; i += kLanes) {
+        for (size_t k = 0; k < kLanes; ++k) {
+            lanes[k] += a[i + k] * b[i + k];
+        }
+    }
+    float sum = 0.0f;
+    for (float lane : lanes) {
+        sum += lane;
+    }
+    for (; i < n; ++i) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
+std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
+                             const TranslationGradient& gradient,
+                             const std::vector<float>& projection, int order,
+                             const mat3& world_from_local) {
+    const ShLayout layout = shLayout(order);
+    const auto count = static_cast<size_t>(h.texelCount());
+    const ShRotation rotation(world_from_local, order);
+    const ShRotation gradient_rotation(world_from_local, layout.gradient_order);
+    std::vector<float> sh(static_cast<size_t>(layout.size()));
+    std::vector<float> local(static_cast<size_t>(layout.coefficients()));
+    std::vector<float> plane(count);
+    const auto project = [&](int coefficients, const ShRotation& turn, float* out) {
+        for (int k = 0; k < coefficients; ++k) {
+            local[static_cast<size_t>(k)] =
+                dotProduct(&projection[static_cast<size_t>(k) * count], plane.data(), count);
+        }
+        turn.apply(local.data(), out);
+    };
+    for (int channel = 0; channel < 3; ++channel) {
+        for (size_t t = 0; t < count; ++t) {
+            plane[t] = texels[t][channel];
+        }
+        project(layout.coefficients(), rotation, &sh[static_cast<size_t>(channel * layout.coefficients())]);
+    }
+    // What a texel exchanged is radiance times solid angle; the matrix expects radiance.
+    for (int axis = 0; axis < 2; ++axis) {
+        for (int channel = 0; channel < 3; ++channel) {
+            for (size_t t = 0; t < count; ++t) {
+                plane[t] = gradient.exchanged[axis][channel][t] / h.solid_angles[t];
+            }
+            project(layout.gradientCoefficients(), gradient_rotation,
+                    &sh[static_cast<size_t>(layout.gradientFirst(axis) +
+                                            channel * layout.gradientCoefficients())]);
+        }
+    }
+    return sh;
+}
+
+}  // namespace
+
+GatheredRecord integrateHemisphere(const Hemisphere& h, std::span<const vec4> texels,
+                                   const std::vector<float>& projection, const RecordSite& site) {
+    SHEEN_CHECK_EQ(texels.size(), static_cast<size_t>(h.texelCount()));
+    const mat3 frame = tangentFrame(site.normal);
+    const size_t count = texels.size();
+    std::vector<float> inverse_distance(count);
+    vec3 irradiance(0.0f);
+    vec3 moment_x(0.0f);
+    vec3 moment_y(0.0f);
+    float inverse_sum = 0.0f;
+    float solid_angle_sum = 0.0f;
+    float nearest = 0.0f;
+    for (size_t t = 0; t < count; ++t) {
+        const vec3 radiance(texels[t]);
+        inverse_distance[t] = texels[t].w > 0.0f ? 1.0f / texels[t].w : 0.0f;
+        irradiance += h.cosines[t] * radiance;
+        moment_x += h.moments[t].x * radiance;
+        moment_y += h.moments[t].y * radiance;
+        inverse_sum += h.solid_angles[t] * inverse_distance[t];
+        solid_angle_sum += h.solid_angles[t];
+        nearest = std::max(nearest, inverse_distance[t]);
+    }
+    const bool glossy = site.order > shared::DIFFUSE_ORDER;
+    const TranslationGradient gradient = translationGradient(h, texels, inverse_distance, glossy);
+
+    GatheredRecord result;
+    Record& r = result.record;
+    r.position = site.position;
+    r.normal = site.normal;
+    r.order = site.order;
+    r.tangent = frame[0];
+    r.radius = inverse_sum > 0.0f ? solid_angle_sum / inverse_sum : kInfinity;
+    r.irradiance = irradiance;
+    vec3* rotation[] = {&r.rotation_r, &r.rotation_g, &r.rotation_b};
+    vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
+    for (int c = 0; c < 3; ++c) {
+        *rotation[c] = frame[0] * moment_x[c] + frame[1] * moment_y[c];
+        *translation[c] =
+            frame[0] * gradient.cosine_gradient[0][c] + frame[1] * gradient.cosine_gradient[1][c];
+    }
+    result.min_distance = nearest > 0.0f ? 1.0f / nearest : kInfinity;
+    if (glossy) {
+        result.sh = projectSh(h, texels, gradient, projection, site.order, frame);
+    }
+    return result;
+}
+
+}  // namespace sheen

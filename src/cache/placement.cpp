@@ -1,0 +1,327 @@
+#include "cache/placement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "core/error.h"
+#include "core/progress.h"
+
+namespace sheen {
+namespace {
+
+// Weights are summed in fixed point, so that taking a record's weights back is exact and the sum
+// does not depend on the order of summation.
+constexpr float kWeightScale = 4096.0f;
+constexpr float kWeightLimit = 64.0f;
+const auto kCovered = static_cast<uint32_t>(shared::MIN_WEIGHT_SUM * kWeightScale);
+// Recent records asked for their radius when guessing that of a new one.
+constexpr size_t kRecentRecords = 96;
+// How far ahead of the scan likely sites are looked for, in pixels.
+constexpr int kLookAhead = 1 << 16;
+
+float luminance(const vec3& c) {
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
+
+float largestChange(const Record& r) {
+    return luminance({glm::length(r.translation_r), glm::length(r.translation_g),
+                      glm::length(r.translation_b)});
+}
+
+class Placer {
+  public:
+    Placer(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
+           const PlacementParams& params, const GatherFunction& gather, int batch)
+        : scene_(scene),
+          gbuffer_(gbuffer),
+          classes_(classes),
+          params_(params),
+          weight_(params.weight()),
+          gather_(gather),
+          batch_(batch),
+          sums_(gbuffer.width, gbuffer.height) {}
+
+    Placement run();
+
+  private:
+    struct Placed {
+        GatheredRecord gathered;
+        float footprint = 0;
+    };
+
+    vec3 position(int i) const { return vec3(gbuffer_.position.pixels[static_cast<size_t>(i)]); }
+    vec3 normal(int i) const { return vec3(gbuffer_.normal.pixels[static_cast<size_t>(i)]); }
+    float footprint(int i) const {
+        return gbuffer_.position.pixels[static_cast<size_t>(i)].w * gbuffer_.pixel_angle;
+    }
+    int order(int i) const { return classes_.orders.pixels[static_cast<size_t>(i)]; }
+    bool missed(int i) const {
+        return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered;
+    }
+
+    RecordSite siteAt(int pixel) const;
+    float guessRadius(int pixel) const;
+    void gatherAhead(int pixel);
+    void place(int pixel);
+    float clampedRadius(const GatheredRecord& g, float pixel_footprint) const;
+    void clampNeighbours(size_t added);
+    void splat(const Record& record, bool add);
+
+    const Scene& scene_;
+    const GBuffer& gbuffer_;
+    const PixelClasses& classes_;
+    const PlacementParams& params_;
+    const WeightParams weight_;
+    const GatherFunction& gather_;
+    const int batch_;
+    Image<uint32_t> sums_;
+    std::vector<Placed> placed_;
+    std::unordered_map<int, GatheredRecord> ready_;
+    Placement result_;
+};
+
+RecordSite Placer::siteAt(int pixel) const {
+    const vec3 n = normal(pixel);
+    const auto triangle = static_cast<int>(gbuffer_.primitive.pixels[static_cast<size_t>(pixel)]);
+    const vec3 wo = gbuffer_.view.origin - position(pixel);
+    return {.position = position(pixel),
+            .normal = n,
+            .geometric_normal = shared::faceViewer(geometricNormal(scene_, triangle), wo),
+            .order = order(pixel)};
+}
+
+// The radius of the nearest recent record: neighbours on a surface have similar ones.
+float Placer::guessRadius(int pixel) const {
+    const vec3 p = position(pixel);
+    const size_t first = placed_.size() > kRecentRecords ? placed_.size() - kRecentRecords : 0;
+    float best = kInfinity;
+    float radius = footprint(pixel) * params_.min_pixels / params_.accuracy;
+    for (size_t i = first; i < placed_.size(); ++i) {
+        const Record& r = placed_[i].gathered.record;
+        const float distance = glm::length(r.position - p);
+        if (distance < best) {
+            best = distance;
+            radius = std::min(r.radius + distance, params_.max_pixels * footprint(pixel) / params_.accuracy);
+        }
+    }
+    return radius;
+}
+
+// Gathers at `pixel` and at the sites that the scan will most likely come to next.
+void Placer::gatherAhead(int pixel) {
+    struct Likely {
+        int pixel;
+        vec3 position, normal;
+        float radius;
+        int order;
+    };
+    std::vector<Likely> likely;
+    const int end = std::min(gbuffer_.width * gbuffer_.height, pixel + kLookAhead);
+    for (int i = pixel; i < end && static_cast<int>(likely.size()) < batch_; ++i) {
+        if (!missed(i)) {
+            continue;
+        }
+        const vec3 p = position(i);
+        const vec3 n = normal(i);
+        const bool served = std::any_of(likely.begin(), likely.end(), [&](const Likely& k) {
+            return serves(k.order, order(i)) &&
+                   shared::recordWeight(weight_, k.position, k.normal, k.radius, p, n,
+                                        footprint(i)) > shared::MIN_WEIGHT_SUM;
+        });
+        if (!served) {
+            likely.push_back({i, p, n, guessRadius(i), order(i)});
+        }
+    }
+    std::vector<RecordSite> sites;
+    std::vector<int> pixels;
+    for (const Likely& k : likely) {
+        if (!ready_.contains(k.pixel)) {
+            sites.push_back(siteAt(k.pixel));
+            pixels.push_back(k.pixel);
+        }
+    }
+    std::vector<GatheredRecord> gathered = gather_(sites);
+    SHEEN_CHECK_EQ(gathered.size(), sites.size());
+    result_.gathered += static_cast<int>(sites.size());
+    for (size_t i = 0; i < sites.size(); ++i) {
+        ready_.emplace(pixels[i], std::move(gathered[i]));
+    }
+}
+
+// Harmonic mean distance, limited by the relative change of irradiance, then in footprints.
+float Placer::clampedRadius(const GatheredRecord& g, float pixel_footprint) const {
+    float radius = g.record.radius;
+    const float change = largestChange(g.record);
+    if (change > 0.0f) {
+        radius = std::min(radius, luminance(g.record.irradiance) / change);
+    }
+    return std::clamp(radius, params_.min_pixels * pixel_footprint / params_.accuracy,
+                      params_.max_pixels * pixel_footprint / params_.accuracy);
+}
+
+// A feature that one record sees cannot be far from its neighbours: R_i <= R_j + |p_i - p_j|, for
+// the new record against all and for all against the new one. [KBPZ06, 4.3]
+void Placer::clampNeighbours(size_t added) {
+    Record& fresh = placed_[added].gathered.record;
+    if (params_.neighbour_clamping) {
+        for (size_t j = 0; j < added; ++j) {
+            const Record& other = placed_[j].gathered.record;
+            fresh.radius =
+                std::min(fresh.radius, other.radius + glm::length(fresh.position - other.position));
+        }
+        const auto least = [&](const Placed& p) {
+            return params_.min_pixels * p.footprint / params_.accuracy;
+        };
+        fresh.radius = std::max(fresh.radius, least(placed_[added]));
+        for (size_t j = 0; j < added; ++j) {
+            Record& other = placed_[j].gathered.record;
+            const float limit =
+                std::max(fresh.radius + glm::length(fresh.position - other.position),
+                         least(placed_[j]));
+            if (limit < other.radius) {
+                splat(other, false);
+                other.radius = limit;
+                splat(other, true);
+            }
+        }
+    }
+}
+
+void Placer::splat(const Record& record, bool add) {
+    const PixelRect rect = sphereBounds(gbuffer_.view, gbuffer_.width, gbuffer_.height,
+                                        record.position, weight_.accuracy * record.radius);
+    for (int y = rect.y0; y < rect.y1; ++y) {
+        for (int x = rect.x0; x < rect.x1; ++x) {
+            const int i = y * gbuffer_.width + x;
+            if (!serves(record.order, order(i))) {
+                continue;
+            }
+            const float v = shared::recordWeight(weight_, record.position, record.normal,
+                                                 record.radius, position(i), normal(i), footprint(i));
+            const auto fixed = static_cast<uint32_t>(std::min(v, kWeightLimit) * kWeightScale + 0.5f);
+            uint32_t& sum = sums_.pixels[static_cast<size_t>(i)];
+            sum = add ? sum + fixed : sum - fixed;
+        }
+    }
+}
+
+void Placer::place(int pixel) {
+    if (!ready_.contains(pixel)) {
+        gatherAhead(pixel);
+    }
+    auto node = ready_.extract(pixel);
+    placed_.push_back({std::move(node.mapped()), footprint(pixel)});
+    GatheredRecord& g = placed_.back().gathered;
+    g.record.radius = clampedRadius(g, placed_.back().footprint);
+    clampNeighbours(placed_.size() - 1);
+    splat(g.record, true);
+}
+
+Placement Placer::run() {
+    const int count = gbuffer_.width * gbuffer_.height;
+    Progress progress("placing records", count, params_.quiet);
+    // Clamping a neighbour may uncover pixels behind the scan: scan again until nothing is missed.
+    // Every record keeps serving its own pixel, so this ends.
+    bool placed_any = true;
+    for (int pass = 0; placed_any; ++pass) {
+        placed_any = false;
+        for (int i = 0; i < count; ++i) {
+            if (missed(i)) {
+                place(i);
+                placed_any = true;
+            }
+            if (pass == 0 && i % gbuffer_.width == 0) {
+                progress.advance(gbuffer_.width);
+            }
+        }
+    }
+    for (int i = 0; i < count; ++i) {
+        result_.uncovered += missed(i) ? 1 : 0;
+    }
+    // Bound the gradients against the final radii: within its reach a record may change its value
+    // by no more than a share of it.
+    for (Placed& p : placed_) {
+        Record& r = p.gathered.record;
+        const float reach = params_.accuracy * r.radius;
+        vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
+        const ShLayout layout = shLayout(r.order);
+        for (int c = 0; c < 3; ++c) {
+            const float length = glm::length(*translation[c]);
+            const float limit = params_.gradient_limit * r.irradiance[c];
+            if (length * reach > limit) {
+                *translation[c] *= limit / (length * reach);
+            }
+            if (r.order == shared::DIFFUSE_ORDER) {
+                continue;
+            }
+            float* first[2];
+            for (int axis = 0; axis < 2; ++axis) {
+                first[axis] = &p.gathered.sh[static_cast<size_t>(
+                    layout.gradientFirst(axis) + c * layout.gradientCoefficients())];
+            }
+            const float value = p.gathered.sh[static_cast<size_t>(c * layout.coefficients())];
+            const float change = std::hypot(*first[0], *first[1]) * reach;
+            const float sh_limit = params_.gradient_limit * std::max(value, 0.0f);
+            const float scale = change > sh_limit ? sh_limit / change : 1.0f;
+            for (int axis = 0; axis < 2; ++axis) {
+                for (int k = 0; k < layout.gradientCoefficients(); ++k) {
+                    first[axis][k] *= scale;
+                }
+            }
+        }
+        r.sh_first = static_cast<int>(result_.cache.sh.size());
+        result_.cache.sh.insert(result_.cache.sh.end(), p.gathered.sh.begin(), p.gathered.sh.end());
+        result_.cache.records.push_back(r);
+    }
+    return std::move(result_);
+}
+
+}  // namespace
+
+Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
+                       const PlacementParams& params, const GatherFunction& gather, int batch) {
+    return Placer(scene, gbuffer, classes, params, gather, batch).run();
+}
+
+PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius) {
+    const vec3 d = center - view.origin;
+    const float z_axis_length = glm::length(view.forward);
+    const vec3 z_axis = view.forward / z_axis_length;
+    const float z = glm::dot(z_axis, d);
+    if (z < -radius) {
+        return {};
+    }
+    // Per image axis: the two planes through the eye that touch the sphere, [MM13].
+    const auto range = [&](const vec3& axis, int size, int& low, int& high) {
+        const float scale = glm::length(axis) / z_axis_length;
+        const float x = glm::dot(glm::normalize(axis), d);
+        const float distance2 = x * x + z * z;
+        const float tangent2 = distance2 - radius * radius;
+        low = 0;
+        high = size;
+        if (z <= radius || tangent2 <= 0.0f) {
+            return;  // the sphere reaches behind the eye's plane: no bound on this axis
+        }
+        const float root = radius * std::sqrt(tangent2);
+        const float denominator = z * z - radius * radius;
+        const float s0 = (x * z - root) / denominator / scale;
+        const float s1 = (x * z + root) / denominator / scale;
+        const auto pixel = [size](float s) {
+            return std::clamp((0.5f * s + 0.5f) * static_cast<float>(size), -1.0f,
+                              static_cast<float>(size) + 1.0f);
+        };
+        // A pixel counts where its centre may lie inside; one more on each side for rounding.
+        low = std::clamp(static_cast<int>(std::floor(pixel(s0) - 0.5f)), 0, size);
+        high = std::clamp(static_cast<int>(std::ceil(pixel(s1) + 0.5f)), 0, size);
+    };
+    PixelRect rect;
+    range(view.right, width, rect.x0, rect.x1);
+    range(view.up, height, rect.y0, rect.y1);
+    if (rect.x0 >= rect.x1 || rect.y0 >= rect.y1) {
+        return {};
+    }
+    return rect;
+}
+
+}  // namespace sheen

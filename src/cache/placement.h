@@ -1,0 +1,57 @@
+// Placement: where records are needed so that every pixel is served, and how far each one reaches.
+// Based on: [GKB09, algorithm 5], [KBPZ06] for neighbour clamping, [WH92], [War94].
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "cache/classes.h"
+#include "cache/gather.h"
+#include "cache/record.h"
+#include "raster/gbuffer.h"
+
+namespace sheen {
+
+struct PlacementParams {
+    float accuracy = 0.15f;        ///< Ward's a
+    float normal_weight = 1.0f;    ///< k_n of the weight function
+    float slab = 0.1f;             ///< c of the weight function
+    float min_pixels = 3.0f;       ///< least reach a R, in footprints of the record's pixel
+    float max_pixels = 40.0f;      ///< greatest reach
+    bool neighbour_clamping = true;
+    float gradient_limit = 0.5f;   ///< greatest extrapolated change relative to the value
+    bool quiet = false;
+
+    WeightParams weight() const {
+        return {.accuracy = accuracy, .normal_weight = normal_weight, .slab = slab};
+    }
+};
+
+/// Gathers a span of sites, one result each, in order.
+using GatherFunction = std::function<std::vector<GatheredRecord>(std::span<const RecordSite>)>;
+
+struct Placement {
+    RecordCache cache;
+    int uncovered = 0;    ///< pixels with geometry that no record serves; always 0 by construction
+    int gathered = 0;     ///< sites gathered, including those that turned out not to be needed
+};
+
+/// Scans the image row by row and gathers a record at every pixel that is not served yet, until all
+/// are. Ahead of the scan, likely sites are gathered `batch` at a time, so that the gather can run
+/// in parallel; what is placed is exactly what the one-by-one scan places, whatever the batch.
+Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
+                       const PlacementParams& params, const GatherFunction& gather, int batch);
+
+/// Rectangle of pixels [x0, x1) x [y0, y1) that bounds a sphere in the image, conservatively; the
+/// whole image when the sphere comes near the camera; empty when it lies behind.
+struct PixelRect {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius);
+
+/// Whether a record of `record_order` serves pixels of `pixel_order`: its own class or a lower one.
+inline bool serves(int record_order, int pixel_order) {
+    return pixel_order != kNoOrder && record_order >= pixel_order;
+}
+
+}  // namespace sheen

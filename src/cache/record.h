@@ -1,0 +1,65 @@
+// Records of the cache: where light was gathered, and what was found there.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/math.h"
+
+namespace sheen::shared {
+using namespace glm;
+#include "shared/record.glsl"
+}  // namespace sheen::shared
+
+namespace sheen {
+
+using shared::Record;
+using shared::WeightParams;
+static_assert(sizeof(Record) == 10 * 16, "Record is uploaded as a std430 array");
+
+/// A point where light is to be gathered.
+struct RecordSite {
+    vec3 position{};
+    vec3 normal{};            ///< shading normal: the hemisphere's pole
+    vec3 geometric_normal{};  ///< on the same side
+    int order = shared::DIFFUSE_ORDER;
+};
+
+/// SH coefficients of one record, world space: radiance, and its change along the record's tangent
+/// and bitangent in the first `gradient_order` bands.
+/// Layout [channel][coefficient] of value, then tangent, then bitangent gradient.
+struct ShLayout {
+    int order = 0;
+    int gradient_order = 0;
+
+    int coefficients() const { return order * order; }
+    int gradientCoefficients() const { return gradient_order * gradient_order; }
+    int size() const { return 3 * coefficients() + 6 * gradientCoefficients(); }
+    int gradientFirst(int axis) const { return 3 * coefficients() + 3 * axis * gradientCoefficients(); }
+};
+
+/// Bands that carry translation gradients, at most (docs/decisions.md).
+constexpr int kShGradientOrder = 4;
+
+inline ShLayout shLayout(int order) {
+    return {.order = order,
+            .gradient_order = order < kShGradientOrder ? order : kShGradientOrder};
+}
+
+/// What a gather found at a site, before any clamp of the radius.
+struct GatheredRecord {
+    Record record{};             ///< radius is the harmonic mean distance
+    std::vector<float> sh;       ///< ShLayout; empty for a diffuse record
+    float min_distance = 0;      ///< to the nearest surface seen; infinite if nothing was
+};
+
+/// The cache: records and the coefficients they point into.
+struct RecordCache {
+    std::vector<Record> records;
+    std::vector<float> sh;
+};
+
+/// A tangent frame (tangent, bitangent, normal) that depends on the normal alone. [DBC17]
+mat3 tangentFrame(const vec3& normal);
+
+}  // namespace sheen

@@ -1,0 +1,114 @@
+#include "sh/projection.h"
+
+#include <cmath>
+
+#include "core/error.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kBandHeights = 8;   // pieces of the band between the horizon and its lower end
+constexpr int kBandAzimuths = 2;  // pieces of a texel's part of it
+constexpr int kGramHeights = 64;  // quadrature of the normal equations
+constexpr int kGramAzimuths = 64;
+
+// Adds weight * Y(d) to one column of the right-hand side [coefficient][texel].
+void addBasis(const vec3& d, float weight, int order, int texel, int texels,
+              std::vector<double>& rhs) {
+    const shared::ShVector y = shared::shBasis(d, order);
+    for (int k = 0; k < order * order; ++k) {
+        rhs[static_cast<size_t>(k) * texels + texel] += static_cast<double>(weight) * y.c[k];
+    }
+}
+
+vec3 sphereDirection(float z, float phi) {
+    const float s = std::sqrt(std::max(0.0f, 1.0f - z * z));
+    return {s * std::cos(phi), s * std::sin(phi), z};
+}
+
+// Weighted inner products of the basis over z in [-sin(band), 1], plus the ridge.
+std::vector<double> gramMatrix(const ProjectionParams& p) {
+    const int count = p.order * p.order;
+    std::vector<double> gram(static_cast<size_t>(count) * count);
+    const float lowest = -std::sin(glm::radians(p.band_degrees));
+    const auto integrate = [&](float z0, float z1, float weight, int heights) {
+        for (int i = 0; i < heights; ++i) {
+            const float z = z0 + (z1 - z0) * (static_cast<float>(i) + 0.5f) / heights;
+            for (int j = 0; j < kGramAzimuths; ++j) {
+                const float phi = 2.0f * kPi * (static_cast<float>(j) + 0.5f) / kGramAzimuths;
+                const shared::ShVector y = shared::shBasis(sphereDirection(z, phi), p.order);
+                const double w = weight * (z1 - z0) / heights * 2.0f * kPi / kGramAzimuths;
+                for (int a = 0; a < count; ++a) {
+                    for (int b = 0; b <= a; ++b) {
+                        gram[static_cast<size_t>(a) * count + b] += w * y.c[a] * y.c[b];
+                    }
+                }
+            }
+        }
+    };
+    integrate(0.0f, 1.0f, 1.0f, kGramHeights);
+    integrate(lowest, 0.0f, p.band_weight, kGramHeights / 2);
+    for (int a = 0; a < count; ++a) {
+        for (int b = a + 1; b < count; ++b) {
+            gram[static_cast<size_t>(a) * count + b] = gram[static_cast<size_t>(b) * count + a];
+        }
+        if (a > 0) {
+            gram[static_cast<size_t>(a) * count + a] += p.ridge;
+        }
+    }
+    return gram;
+}
+
+// The footprints and the normal equations are integrated by different quadratures; what that leaves
+// of the response to constant light is taken out in proportion to the texels' solid angles.
+void makeConstantExact(const Hemisphere& hemisphere, int order, std::vector<double>& matrix) {
+    const auto texels = static_cast<size_t>(hemisphere.texelCount());
+    for (int k = 0; k < order * order; ++k) {
+        double* row = &matrix[static_cast<size_t>(k) * texels];
+        double response = 0.0;
+        for (size_t t = 0; t < texels; ++t) {
+            response += row[t];
+        }
+        const double wanted = k == 0 ? std::sqrt(4.0 * kPi) : 0.0;
+        for (size_t t = 0; t < texels; ++t) {
+            row[t] += (wanted - response) * hemisphere.solid_angles[t] / (2.0 * kPi);
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<float> projectionMatrix(const Hemisphere& hemisphere, const ProjectionParams& params) {
+    SHEEN_CHECK(params.order >= 1 && params.order <= shared::SH_MAX_ORDER);
+    const int count = params.order * params.order;
+    const int texels = hemisphere.texelCount();
+    std::vector<double> rhs(static_cast<size_t>(count) * texels);
+    const float lowest = -std::sin(glm::radians(params.band_degrees));
+    for (int texel = 0; texel < texels; ++texel) {
+        for (const FootprintSample& s : footprint(hemisphere, texel)) {
+            addBasis(s.direction, s.solid_angle, params.order, texel, texels, rhs);
+        }
+        if (hemisphere.at_horizon[static_cast<size_t>(texel)] == 0) {
+            continue;
+        }
+        // The texel is the horizon's radiance over its azimuths.
+        const vec2 az = hemisphere.azimuths[static_cast<size_t>(texel)];
+        const float dphi = (az.y - az.x) / kBandAzimuths;
+        const float dz = -lowest / kBandHeights;
+        for (int i = 0; i < kBandHeights; ++i) {
+            for (int j = 0; j < kBandAzimuths; ++j) {
+                const vec3 d = sphereDirection(lowest + (static_cast<float>(i) + 0.5f) * dz,
+                                               az.x + (static_cast<float>(j) + 0.5f) * dphi);
+                addBasis(d, params.band_weight * dz * dphi, params.order, texel, texels, rhs);
+            }
+        }
+    }
+    solveSpd(count, gramMatrix(params), rhs, texels);
+    if (hemisphere.params.kind == HemisphereKind::kBorder ||
+        hemisphere.params.kind == HemisphereKind::kHemicube) {
+        makeConstantExact(hemisphere, params.order, rhs);
+    }
+    return {rhs.begin(), rhs.end()};
+}
+
+}  // namespace sheen

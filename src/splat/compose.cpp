@@ -1,0 +1,78 @@
+#include <atomic>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "scene/brdf_albedo.h"
+#include "splat/splat.h"
+
+namespace sheen {
+namespace {
+
+bool finite(const vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+}  // namespace
+
+ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
+                      const SplatBuffer& splat, bool irradiance_only, Frame& frame) {
+    const int width = gbuffer.width;
+    const int height = gbuffer.height;
+    for (Image<vec3>* image : {&frame.direct, &frame.indirect, &frame.indirect_diffuse,
+                               &frame.emission, &frame.albedo, &frame.normal, &frame.position}) {
+        *image = Image<vec3>(width, height);
+    }
+    frame.roughness = Image<float>(width, height);
+    frame.depth = Image<float>(width, height, kInfinity);
+    frame.weight = Image<float>(width, height);
+    frame.primitive = gbuffer.primitive;
+    std::atomic<int> nonfinite = 0;
+    std::atomic<int> negative = 0;
+    parallelFor(height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            if (!gbuffer.seen(y * width + x)) {
+                continue;
+            }
+            const vec4 position = gbuffer.position.at(x, y);
+            const vec4 normal = gbuffer.normal.at(x, y);
+            const vec4 diffuse = gbuffer.diffuse.at(x, y);
+            frame.albedo.at(x, y) = vec3(diffuse);
+            frame.normal.at(x, y) = vec3(normal);
+            frame.position.at(x, y) = vec3(position);
+            frame.roughness.at(x, y) = normal.w;
+            frame.depth.at(x, y) = position.w;
+            frame.direct.at(x, y) = vec3(gbuffer.direct.at(x, y));
+            frame.emission.at(x, y) = vec3(gbuffer.emission.at(x, y));
+            const vec4 sum = splat.irradiance.at(x, y);
+            frame.weight.at(x, y) = sum.w;
+            if (sum.w <= 0.0f) {
+                continue;
+            }
+            const vec3 irradiance = vec3(sum) / sum.w;
+            vec3 specular(0.0f);
+            if (classes.orders.at(x, y) > shared::DIFFUSE_ORDER) {
+                specular = lobes.scale.at(x, y) * vec3(splat.specular.at(x, y)) / sum.w;
+            } else if (!irradiance_only) {
+                // The diffuse class: the lobe acts as a cosine of the same albedo.
+                const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(position));
+                const vec2 ab = brdfAlbedo(glm::dot(vec3(normal), wo), normal.w);
+                specular = (vec3(gbuffer.f0.at(x, y)) * ab.x + vec3(diffuse.w * ab.y)) * irradiance /
+                           kPi;
+            }
+            vec3 diffuse_part = vec3(diffuse) * irradiance / kPi;
+            if (!finite(diffuse_part) || !finite(specular)) {
+                ++nonfinite;
+                diffuse_part = specular = vec3(0.0f);
+            }
+            const vec3 indirect = diffuse_part + specular;
+            if (indirect.x < 0.0f || indirect.y < 0.0f || indirect.z < 0.0f) {
+                ++negative;
+            }
+            frame.indirect.at(x, y) = glm::max(indirect, vec3(0.0f));
+            frame.indirect_diffuse.at(x, y) = diffuse_part;
+        }
+    });
+    return {.nonfinite = nonfinite, .negative = negative};
+}
+
+}  // namespace sheen

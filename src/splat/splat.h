@@ -1,0 +1,52 @@
+// Splatting: every record adds what it contributes to the pixels it serves; the sums divided by the
+// sum of weights are the indirect light.
+// Based on: [GKB09, 8.1], [GKBP05].
+#pragma once
+
+#include <vector>
+
+#include "cache/classes.h"
+#include "cache/placement.h"
+#include "cache/record.h"
+#include "gl/worker_pool.h"
+#include "image/frame.h"
+#include "raster/gbuffer.h"
+
+namespace sheen {
+
+/// The specular lobe of each glossy pixel in spherical harmonics, world space. One set of
+/// coefficients serves the three channels: the lobe's shape is taken at the mean F0, and what a
+/// coloured F0 changes of its albedo is a factor.
+struct PixelLobes {
+    Image<int> first;                 ///< index of a pixel's first coefficient, -1: none
+    std::vector<float> coefficients;  ///< as many a pixel as the square of its order
+    Image<vec3> scale;
+};
+PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes);
+
+/// Sums over the records.
+struct SplatBuffer {
+    Image<vec4> irradiance;  ///< weight * irradiance; w: sum of weights
+    Image<vec4> specular;    ///< weight * lobe convolved, before PixelLobes::scale; w: unused
+};
+
+/// On the GPU: one quad a record, floating-point blending.
+SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelClasses& classes,
+                     const PixelLobes& lobes, const RecordCache& cache, const WeightParams& weight);
+
+/// The same on the CPU, slowly: what splatGpu() is tested against.
+SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
+                     const RecordCache& cache, const WeightParams& weight);
+
+/// What compose() found in the images.
+struct ComposeCounts {
+    int nonfinite = 0;  ///< set to zero
+    int negative = 0;   ///< channels below zero, clamped
+};
+
+/// Divides by the weights, applies the reflectances and fills the frame's layers.
+/// `irradiance_only`: the diffuse part alone, on all surfaces.
+ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
+                      const SplatBuffer& splat, bool irradiance_only, Frame& frame);
+
+}  // namespace sheen

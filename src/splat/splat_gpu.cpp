@@ -1,0 +1,112 @@
+#include "gl/program.h"
+#include "splat/splat.h"
+
+namespace sheen {
+namespace {
+
+// How a pass draws: which pixels, and which records may serve them.
+void drawPass(const gl::Program& program, const GBuffer& gbuffer, const WeightParams& weight,
+              const gl::Strip& strip, int records) {
+    using namespace gl;
+    program.use();
+    program.set("image_size", vec2(gbuffer.width, strip.last - strip.first));
+    program.set("first_row", strip.first);
+    program.set("pixel_angle", gbuffer.pixel_angle);
+    program.set("accuracy", weight.accuracy);
+    program.set("normal_weight", weight.normal_weight);
+    program.set("slab", weight.slab);
+    glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, records, 0);
+}
+
+}  // namespace
+
+SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelClasses& classes,
+                     const PixelLobes& lobes, const RecordCache& cache, const WeightParams& weight) {
+    using namespace gl;
+    const int width = gbuffer.width;
+    const int height = gbuffer.height;
+    SplatBuffer result{Image<vec4>(width, height), Image<vec4>(width, height)};
+    Image<vec4> normals = gbuffer.normal;
+    bool any_glossy = false;
+    for (size_t i = 0; i < normals.pixels.size(); ++i) {
+        normals.pixels[i].w = static_cast<float>(classes.orders.pixels[i]);
+        any_glossy |= classes.orders.pixels[i] > shared::DIFFUSE_ORDER;
+    }
+    std::vector<glm::ivec4> rects;
+    for (const Record& r : cache.records) {
+        const PixelRect b =
+            sphereBounds(gbuffer.view, width, height, r.position, weight.accuracy * r.radius);
+        rects.emplace_back(b.x0, b.y0, b.x1, b.y1);
+    }
+    const auto records = static_cast<int>(cache.records.size());
+    // Shared by all workers.
+    Buffer record_buffer, rect_buffer, sh_buffer, lobe_buffer;
+    pool.runOnFirst([&] {
+        record_buffer = makeBuffer(std::span<const Record>(cache.records));
+        rect_buffer = makeBuffer(std::span<const glm::ivec4>(rects));
+        sh_buffer = makeBuffer(std::span<const float>(cache.sh));
+        lobe_buffer = makeBuffer(std::span<const float>(lobes.coefficients));
+    });
+    pool.run([&](int worker) {
+        const Strip strip = stripOf(worker, pool.size(), height);
+        const int rows = strip.last - strip.first;
+        if (rows == 0 || records == 0) {
+            return;
+        }
+        const auto upload = [&](GLenum internal, GLenum format, GLenum type, const void* data) {
+            gl::Texture texture = makeTexture2d(internal, width, rows);
+            glTextureSubImage2D(texture.name(), 0, 0, 0, width, rows, format, type, data);
+            return texture;
+        };
+        const gl::Texture positions =
+            upload(GL_RGBA32F, GL_RGBA, GL_FLOAT, &gbuffer.position.at(0, strip.first));
+        const gl::Texture normal = upload(GL_RGBA32F, GL_RGBA, GL_FLOAT, &normals.at(0, strip.first));
+        const gl::Texture first =
+            upload(GL_R32I, GL_RED_INTEGER, GL_INT, &lobes.first.at(0, strip.first));
+        const gl::Texture irradiance = makeTexture2d(GL_RGBA32F, width, rows);
+        const gl::Texture specular = makeTexture2d(GL_RGBA32F, width, rows);
+        const GLuint targets[] = {irradiance.name(), specular.name()};
+        const Framebuffer framebuffer = makeFramebuffer(targets, 0);
+        const VertexArray empty = makeVertexArray();
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+        glViewport(0, 0, width, rows);
+        const float zero[4] = {};
+        glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, 0, zero);
+        glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, 1, zero);
+        glEnable(GL_BLEND);
+        glBlendFunc(GL_ONE, GL_ONE);
+        glBindVertexArray(empty.name());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, record_buffer.name());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, rect_buffer.name());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, sh_buffer.name());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, lobe_buffer.name());
+        glBindTextureUnit(0, positions.name());
+        glBindTextureUnit(1, normal.name());
+        glBindTextureUnit(2, first.name());
+        const Program diffuse("splat/splat.vert", "splat/splat.frag", {"GLOSSY 0"});
+        drawPass(diffuse, gbuffer, weight, strip, records);
+        Program glossy;
+        if (any_glossy) {
+            glossy = Program("splat/splat.vert", "splat/splat.frag",
+                             {"GLOSSY 1", fmt::format("SH_GRADIENT_ORDER {}", kShGradientOrder)});
+            drawPass(glossy, gbuffer, weight, strip, records);
+        }
+        glDisable(GL_BLEND);
+        Image<vec4>* images[] = {&result.irradiance, &result.specular};
+        for (int i = 0; i < 2; ++i) {
+            glNamedFramebufferReadBuffer(framebuffer.name(),
+                                         GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
+            glReadPixels(0, 0, width, rows, GL_RGBA, GL_FLOAT, &images[i]->at(0, strip.first));
+        }
+        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    });
+    pool.runOnFirst([&] {
+        record_buffer = {};
+        rect_buffer = {};
+        sh_buffer = {};
+        lobe_buffer = {};
+    });
+    return result;
+}
+
+}  // namespace sheen
