@@ -502,6 +502,69 @@ TEST(Reference, SphereAroundAPointLight) {
         kSigmas, kMeshError);
 }
 
+// The shading of a flat surface point from one direction, without rays.
+Surface flatSurface(const vec3& p, const vec3& n, const vec3& wo, const Material& material) {
+    Surface s;
+    s.position = p;
+    s.n = s.n_g = n;
+    s.wo = wo;
+    s.brdf =
+        shared::makeBrdf(material.params, brdfAlbedo(glm::dot(n, wo), material.params.roughness));
+    return s;
+}
+
+// A floor point under a square panel that glows and is lit by a lamp: the integral over the panel's
+// area instead of the hemisphere, by the midpoint rule, without rays.
+TEST(Reference, PanelAgreesWithIntegralOverItsArea) {
+    constexpr float kHalf = 0.5f, kHeight = 0.8f;
+    constexpr int kCells = 200;
+    const float radiance = 2.0f;
+    const vec3 eye(1.5f, 0.7f, 0.4f), lamp(0.3f, 0.1f, -0.2f);
+    for (const float roughness : {0.25f, 0.6f}) {
+        for (const float metallic : {0.0f, 1.0f}) {
+            Scene scene;
+            const Material floor = makeMaterial(vec3(0.8f, 0.6f, 0.4f), metallic, 1.0f, roughness);
+            const Material panel = makeMaterial(vec3(0.5f), 0.0f, 1.0f, 0.5f, vec3(radiance));
+            addQuad(scene, vec3(-4, 0, -4), vec3(0, 0, 8), vec3(8, 0, 0),
+                    addMaterial(scene, floor));
+            addQuad(scene, vec3(-kHalf, kHeight, -kHalf), vec3(2 * kHalf, 0, 0),
+                    vec3(0, 0, 2 * kHalf), addMaterial(scene, panel));
+            scene.lights.push_back(pointLight(lamp, vec3(0.6f)));
+
+            const vec3 up(0, 1, 0);
+            const Surface p = flatSurface(vec3(0), up, glm::normalize(eye), floor);
+            glm::dvec3 expected(0.0), expected_diffuse(0.0);
+            for (int cell = 0; cell < kCells * kCells; ++cell) {
+                const float x = (2.0f * (cell % kCells + 0.5f) / kCells - 1.0f) * kHalf;
+                const float z = (2.0f * (cell / kCells + 0.5f) / kCells - 1.0f) * kHalf;
+                const vec3 point(x, kHeight, z);
+                const float d2 = glm::dot(point, point);
+                const vec3 wi = point / std::sqrt(d2);
+                const Surface q = flatSurface(point, -up, -wi, panel);
+                const vec3 to_lamp = lamp - point;
+                const float lamp_d2 = glm::dot(to_lamp, to_lamp);
+                const vec3 wl = to_lamp / std::sqrt(lamp_d2);
+                const vec3 leaving = vec3(radiance) + shared::evalBrdf(q.brdf, q.n, q.wo, wl) *
+                                                          (0.6f / lamp_d2 * glm::dot(q.n, wl));
+                const float form = wi.y * wi.y / d2 * (4.0f * kHalf * kHalf / (kCells * kCells));
+                expected += glm::dvec3(shared::evalBrdf(p.brdf, p.n, p.wo, wi) * leaving * form);
+                expected_diffuse += glm::dvec3(p.brdf.diffuse / kPi * leaving * form);
+            }
+            // One pixel, whose centre sees the origin.
+            const Frame frame =
+                renderReference(scene, smallParams(lookAt(eye, vec3(0)), 1, 1 << 16)).frame;
+            ASSERT_NEAR(glm::length(frame.position.at(0, 0)), 0.0f, 1e-6f);
+            expectWithin(
+                frame.indirect, frame.indirect_variance, [&](int) { return vec3(expected); },
+                kSigmas, 1e-3);
+            expectWithin(
+                frame.indirect_diffuse, frame.indirect_diffuse_variance,
+                [&](int) { return vec3(expected_diffuse); }, kSigmas, 1e-3);
+            EXPECT_LT(frame.indirect_variance.at(0, 0).x, 1e-5 * expected.x * expected.x);
+        }
+    }
+}
+
 TEST(Reference, DirectLightOnAPlane) {
     const float rho = 0.6f, height = 2.0f;
     Scene scene;
