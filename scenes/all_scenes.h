@@ -1,0 +1,25 @@
+// The scenes that come with Sheen; scenes/README.md says what each is for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenes/model.h"
+
+namespace sheen::scenes {
+
+Model cornellDiffuse();
+Model cornellGlossy();
+Model venusGlossy();
+Model atrium();
+Model furnace();
+Model sphereRoom();
+
+struct NamedScene {
+    std::string file_name;
+    Model (*make)();
+};
+/// All of them, in a fixed order.
+const std::vector<NamedScene>& allScenes();
+
+}  // namespace sheen::scenes
