@@ -708,7 +708,7 @@ void expectSameBits(const Image<vec3>& a, const Image<vec3>& b) {
 
 TEST(Reference, ThreadCountChangesNoBit) {
     const Scene scene = litRoom();
-    const ReferenceParams params = smallParams(litRoomCamera(), 16, 32);
+    const ReferenceParams params = smallParams(litRoomCamera(), 16, 256);  // guided
     setThreadCount(1);
     const Frame one = renderReference(scene, params).frame;
     for (const int threads : {2, 5}) {

@@ -23,9 +23,10 @@ constexpr float kShadowRayShare = 1.0f - 1e-5f;
 // Of the guide's paths; those of replicates are their index.
 constexpr uint32_t kGuideSeed = 0xffffffffu;
 
-constexpr int kGuideShare = 4;
-constexpr int kSmallestGuide = 8;
-constexpr int kLargestGuide = 32;
+// Sizes of the guide's grid. Measured on glossy interiors, variance times CPU time: 16 x 16 from
+// 1.4 to 3 times better than 8 x 8 at 256 paths; 8 x 8 at 64 paths no better than none.
+constexpr int kSmallestGuide = 16;
+constexpr int kLargestGuide = 64;
 
 struct Counters {
     int64_t rays = 0;
@@ -246,11 +247,11 @@ void checkParams(const ReferenceParams& params) {
     SHEEN_CHECK(params.replicates >= 2);
 }
 
-// The largest power of two with kGuideShare paths in the estimate for each one that teaches.
+// The largest grid that is taught by at most as many paths as make the estimate.
 int guideSize(const ReferenceParams& params) {
     int size = 0;
     for (int next = kSmallestGuide; next <= kLargestGuide; next *= 2) {
-        if (next * next * kGuideShare <= params.spp) {
+        if (next * next <= params.spp) {
             size = next;
         }
     }
