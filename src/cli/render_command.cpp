@@ -240,9 +240,8 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
         fmt::print("materials {}\n", orderSummary(stats.sh_order));
         fmt::print("renderer  {}, {} threads\n", stats.gl_renderer, threadCount());
     }
-    if (stats.nonfinite_pixels > 0 || stats.negative_pixels > 0) {
-        fmt::print("mended    {} pixels not finite, {} negative\n", stats.nonfinite_pixels,
-                   stats.negative_pixels);
+    if (stats.negative_pixels > 0) {
+        fmt::print("clamped   {} negative pixels\n", stats.negative_pixels);
     }
     fmt::print("wrote     {} ({}x{}, {})\n", o.output, o.params.width, o.params.height, o.method);
 }
@@ -286,6 +285,9 @@ ExitCode runRender(RenderOptions& o) {
     result.stats.seconds.write = write.seconds();
     result.stats.seconds.load = load_seconds;
     result.stats.seconds.total = total.seconds();
+    if (result.stats.nonfinite_pixels > 0) {
+        warn(fmt::format("{}: {} pixels are not finite", o.output, result.stats.nonfinite_pixels));
+    }
     writeJson(o.json, statsJson(o, result.stats));
     if (wantsText(o.json)) {
         printStats(o, result.stats);
