@@ -1,35 +1,20 @@
-// Radiance that each texel of a batch of hemispheres receives, from the visibility buffer: direct
-// light scattered once toward the record, and emission. Tiles lie side by side, one a record.
+// Radiance that each texel of a batch of hemispheres receives from surfaces that are not Lambertian,
+// shaded where they are hit: direct light scattered once toward the record, and emission.
 #include "raster/direct.glsl"
+#include "shared/surface_light.glsl"
+#include "gather/texel.glsl"
 
-layout(std430, binding = 0) readonly buffer Views { View views[]; };  // [record][face]
-layout(binding = 1) uniform usampler2D visibility;
-uniform int tile_width;
-uniform int face_count;
-uniform vec4 faces[5];  // x, y, width, height of a face within a tile
+layout(std430, binding = 7) readonly buffer LitTriangles { LitTriangle lit_triangles[]; };
 
-layout(location = 0) out vec4 out_radiance;  // w: distance, 0 where nothing is seen
+layout(location = 0) out vec4 out_radiance;  // w: distance
 
 void main() {
-    uint id = texelFetch(visibility, ivec2(gl_FragCoord.xy), 0).x;
-    out_radiance = vec4(0.0);
-    if (id == 0u) {
-        return;
+    uint id = visibleTriangle();
+    if (id == 0u || lit_triangles[id - 1u].lambertian != 0) {
+        discard;
     }
-    int record = int(gl_FragCoord.x) / tile_width;
-    vec2 texel = vec2(gl_FragCoord.x - float(record * tile_width), gl_FragCoord.y);
-    int face = 0;
-    for (int i = 1; i < face_count; ++i) {
-        face = texel.y >= faces[i].y ? i : face;
-    }
-    View view = views[record * face_count + face];
-    vec2 size = faces[face].zw;
-    vec3 toward = viewDirection(view, (texel - faces[face].xy) / size * 2.0 - 1.0);
-    float length2 = dot(toward, toward);
-    // Solid angle of a texel: its area on the plane at distance |forward| over the distance cubed.
-    float area = 4.0 * length(cross(view.right, view.up)) / (size.x * size.y);
-    float solid_angle = area / (length2 * sqrt(length2));
-    Surface s = surfaceAt(id - 1u, view.origin, normalize(toward), solid_angle);
-    vec3 wo = normalize(view.origin - s.p);
+    GatherTexel texel = gatherTexel();
+    Surface s = surfaceAt(id - 1u, texel.origin, texel.direction, texel.solid_angle);
+    vec3 wo = normalize(texel.origin - s.p);
     out_radiance = vec4(directRadiance(s, wo) + s.material.emission, s.distance);
 }

@@ -11,7 +11,7 @@ struct PackedTriangle {
     vec3 n0; float uv1_x;
     vec3 n1; float uv1_y;
     vec3 n2; float uv2_x;
-    float uv2_y; uint scene_triangle; uint pad0; uint pad1;
+    float uv2_y; uint scene_triangle; uint light_texel; uint pad;
 };
 struct PackedMaterial {
     MaterialParams params;

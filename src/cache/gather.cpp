@@ -22,6 +22,7 @@ struct Gatherer::Worker {
     gl::Texture visibility, depth, radiance;
     gl::Framebuffer first, second;
     gl::VertexArray empty;
+    gl::Program lambert;
     gl::Program shade;
     gl::Buffer views;
     ClusterDrawer drawer;
@@ -35,6 +36,8 @@ Gatherer::Gatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu
     : pool_(pool), gpu_(gpu), hemisphere_(makeHemisphere(params)) {
     near_ = nearDistance(scene);
     lift_ = kLiftOverNear * near_;
+    any_shaded_ = std::any_of(gpu.lit_triangles.begin(), gpu.lit_triangles.end(),
+                              [](const LitTriangle& t) { return t.lambertian == 0; });
     projection_.resize(shared::SH_MAX_ORDER + 1);
     workers_.resize(static_cast<size_t>(pool.size()));
     pool.run([&](int index) {
@@ -51,12 +54,15 @@ Gatherer::Gatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu
         worker->second = makeFramebuffer({&radiance, 1}, 0);
         worker->empty = makeVertexArray();
         worker->shade = Program("raster/fullscreen.vert", "gather/shade.frag", shadingDefines(1));
-        worker->shade.set("tile_width", hemisphere_.width);
-        worker->shade.set("face_count", static_cast<int>(hemisphere_.faces.size()));
-        for (size_t i = 0; i < hemisphere_.faces.size(); ++i) {
-            const HemisphereFace& f = hemisphere_.faces[i];
-            worker->shade.set(fmt::format("faces[{}]", i).c_str(),
-                              vec4(f.x, f.y, f.width, f.height));
+        worker->lambert = Program("raster/fullscreen.vert", "gather/lambert.frag");
+        for (const Program* program : {&worker->shade, &worker->lambert}) {
+            program->set("tile_width", hemisphere_.width);
+            program->set("face_count", static_cast<int>(hemisphere_.faces.size()));
+            for (size_t i = 0; i < hemisphere_.faces.size(); ++i) {
+                const HemisphereFace& f = hemisphere_.faces[i];
+                program->set(fmt::format("faces[{}]", i).c_str(),
+                             vec4(f.x, f.y, f.width, f.height));
+            }
         }
         worker->views = makeBuffer(std::span<const View>());
         worker->drawer = ClusterDrawer(gpu, "raster/visibility.frag");
@@ -133,7 +139,13 @@ std::vector<GatheredRecord> Gatherer::gather(std::span<const RecordSite> sites) 
             bindShading(gpu_, w.shade);
             glBindTextureUnit(1, w.visibility.name());
             glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, w.views.name());
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, gpu_.lit_triangle_buffer.name());
             glBindVertexArray(w.empty.name());
+            if (any_shaded_) {
+                drawFullscreen();
+            }
+            w.lambert.use();
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, gpu_.surface_light.name());
             drawFullscreen();
             glReadPixels(0, 0, width, hemisphere_.height, GL_RGBA, GL_FLOAT, w.pixels.data());
             w.seconds.raster += raster_timer.seconds();

@@ -39,6 +39,7 @@ class Gatherer {
     Hemisphere hemisphere_;
     float near_ = 0;
     float lift_ = 0;  // from the surface, so that rounding never puts it in front of the eye
+    bool any_shaded_ = false;  // whether some surface is not Lambertian
     std::vector<std::vector<float>> projection_;  // [order]; made when first needed
     std::vector<std::unique_ptr<Worker>> workers_;
 };

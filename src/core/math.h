@@ -12,6 +12,7 @@ using glm::mat3;
 using glm::mat4;
 using glm::uvec2;
 using glm::uvec3;
+using glm::uvec4;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;

@@ -30,7 +30,8 @@ struct PackedTriangle {
     float uv2_x;
     float uv2_y;
     uint32_t scene_triangle;
-    uint32_t pad[2];
+    uint32_t light_texel;
+    uint32_t pad;
 };
 static_assert(sizeof(PackedTriangle) == 7 * 16);
 
@@ -125,7 +126,8 @@ std::vector<PackedTriangle> packTriangles(const Scene& scene, const std::vector<
                           .uv2_x = scene.uvs[v.z].x,
                           .uv2_y = scene.uvs[v.z].y,
                           .scene_triangle = t,
-                          .pad = {}});
+                          .light_texel = 0,
+                          .pad = 0});
     }
     return packed;
 }
@@ -206,11 +208,18 @@ GpuScene uploadScene(const Scene& scene) {
     }
     std::vector<uint32_t> identity(order.size());
     std::iota(identity.begin(), identity.end(), 0u);
-    const std::vector<PackedTriangle> packed = packTriangles(scene, order);
+    std::vector<PackedTriangle> packed = packTriangles(scene, order);
+    gpu.lit_triangles = layOutSurfaceLight(scene, order);
+    uint32_t light_texel = 0;
+    for (size_t i = 0; i < packed.size(); ++i) {
+        packed[i].light_texel = light_texel;
+        light_texel += 1u << (2 * gpu.lit_triangles[i].log2_size);
+    }
     gpu.positions = gl::makeBuffer(std::span<const vec3>(mesh.positions));
     gpu.indices = gl::makeBuffer(std::span<const uint32_t>(indices));
     gpu.identity = gl::makeBuffer(std::span<const uint32_t>(identity));
     gpu.triangles = gl::makeBuffer(std::span<const PackedTriangle>(packed));
+    gpu.lit_triangle_buffer = gl::makeBuffer(std::span<const LitTriangle>(gpu.lit_triangles));
     gpu.lights = gl::makeBuffer(std::span<const PunctualLight>(scene.lights));
     gpu.albedo_table = gl::makeBuffer(std::span<const float>(
         brdfAlbedoTable(), 2 * shared::ALBEDO_TABLE_MU * shared::ALBEDO_TABLE_ROUGHNESS));

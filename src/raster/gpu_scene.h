@@ -11,7 +11,15 @@
 #include "raster/view.h"
 #include "scene/scene.h"
 
+namespace sheen::shared {
+using namespace glm;
+#include "shared/surface_light.glsl"
+}  // namespace sheen::shared
+
 namespace sheen {
+
+using shared::LitTriangle;
+static_assert(sizeof(LitTriangle) == 3 * 16);
 
 /// Up to 124 neighbouring triangles, drawn or culled together.
 struct Cluster {
@@ -37,6 +45,10 @@ struct GpuScene {
     gl::Texture shadow_maps;
     gl::Buffer shadow_views;
     int shadow_resolution = 0;
+    // Light that surfaces scatter, filled by lightSurfaces().
+    std::vector<LitTriangle> lit_triangles;
+    gl::Buffer lit_triangle_buffer;
+    gl::Buffer surface_light;  ///< front and back radiance as halves, see gather/lambert.frag
 };
 
 /// Packs and uploads `scene`; runs on a worker's context.
@@ -45,6 +57,14 @@ GpuScene uploadScene(const Scene& scene);
 /// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot and
 /// for a directional light, whose view covers the scene's bounds.
 void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu);
+
+/// Shares the texels for surface light out among the triangles, in cluster order; `order` names the
+/// scene's triangle of each.
+std::vector<LitTriangle> layOutSurfaceLight(const Scene& scene, const std::vector<uint32_t>& order);
+
+/// Lights every surface once: what each texel of each triangle scatters diffusely, on both sides,
+/// with mip levels. Records fetch it instead of shading what they see. Needs the shadow maps.
+void lightSurfaces(gl::WorkerPool& pool, GpuScene& gpu);
 
 /// Draws clusters into views; belongs to one worker, whose context is current.
 class ClusterDrawer {

@@ -67,6 +67,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     GpuScene gpu;
     pool.runOnFirst([&] { gpu = uploadScene(scene); });
     renderShadowMaps(pool, scene, gpu);
+    lightSurfaces(pool, gpu);
     seconds.shadow = shadow_timer.seconds();
 
     Timer gbuffer_timer;
