@@ -169,6 +169,9 @@ void dropDegenerate(File& file, Primitive& primitive) {
 
 // A zero or non-finite normal becomes that of the triangles around its vertex.
 void mendNormals(File& file, Primitive& primitive) {
+    if (primitive.normals.empty()) {
+        return;
+    }
     std::vector<vec3> around(primitive.normals.size(), vec3(0.0f));
     std::vector<bool> used(primitive.normals.size(), false);
     for (const uvec3& t : primitive.triangles) {

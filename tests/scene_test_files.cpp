@@ -1,0 +1,95 @@
+// The scenes that come with Sheen: the committed files are what the program makes, are small, and
+// change only on purpose.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "scene_test_gltf.h"
+#include "scenes/all_scenes.h"
+
+namespace sheen {
+namespace scenes {
+
+void PrintTo(const NamedScene& scene, std::ostream* out) { *out << scene.file_name; }
+
+}  // namespace scenes
+namespace {
+
+constexpr size_t kLargestFile = 2'000'000;
+
+std::vector<uint8_t> committed(const std::string& name) {
+    std::ifstream in(std::string(SHEEN_SCENES) + "/" + name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+// FNV-1a, 64 bits.
+uint64_t hashOf(const std::vector<uint8_t>& bytes) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (const uint8_t byte : bytes) {
+        hash = (hash ^ byte) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+struct Expected {
+    uint64_t hash;
+    int fewest_triangles;
+    int most_triangles;
+    size_t lights;
+};
+// Charts and reference images are made from these very files: a new hash asks for new ones.
+const std::map<std::string, Expected> kExpected = {
+    {"atrium.glb", {0xd44e884cb84e0030u, 66000, 80000, 2}},
+    {"cornell_diffuse.glb", {0x1248a38ae7cf0d20u, 30, 30, 1}},
+    {"cornell_glossy.glb", {0x2f9a97660af6509au, 30, 30, 1}},
+    {"furnace.glb", {0x73d5882510290dd1u, 20492, 20492, 0}},
+    {"sphere_room.glb", {0xcd00d35897d7de3cu, 20480, 20480, 1}},
+    {"venus_glossy.glb", {0xa522fe1e1b2b3a63u, 22000, 26000, 2}},
+};
+
+class SceneFiles : public testing::TestWithParam<scenes::NamedScene> {};
+
+TEST_P(SceneFiles, AreWhatTheProgramMakes) {
+    // Not EXPECT_EQ: it would print hundreds of thousands of bytes.
+    EXPECT_TRUE(scenes::encodeGlb(GetParam().make()) == committed(GetParam().file_name))
+        << "run make_scenes scenes";
+}
+
+TEST_P(SceneFiles, AreSmallAndFrozen) {
+    const std::vector<uint8_t> bytes = committed(GetParam().file_name);
+    EXPECT_LT(bytes.size(), kLargestFile);
+    EXPECT_EQ(hashOf(bytes), kExpected.at(GetParam().file_name).hash)
+        << fmt::format("0x{:016x}", hashOf(bytes));
+}
+
+TEST_P(SceneFiles, LoadWithoutWarnings) {
+    const Expected& expected = kExpected.at(GetParam().file_name);
+    const Scene scene = loadScene(std::string(SHEEN_SCENES) + "/" + GetParam().file_name);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>());
+    EXPECT_GE(scene.triangleCount(), expected.fewest_triangles);
+    EXPECT_LE(scene.triangleCount(), expected.most_triangles);
+    EXPECT_EQ(scene.lights.size(), expected.lights);
+    EXPECT_GE(scene.cameras.size(), 1u);
+}
+
+// Vertex normals that oppose their triangle would be silently turned round when shading.
+TEST_P(SceneFiles, HaveNormalsOnTheFrontOfTheirTriangles) {
+    const Scene scene = loadScene(std::string(SHEEN_SCENES) + "/" + GetParam().file_name);
+    int opposed = 0;
+    for (int i = 0; i < scene.triangleCount(); ++i) {
+        const uvec3& t = scene.triangles[static_cast<size_t>(i)];
+        const vec3 mean = scene.normals[t.x] + scene.normals[t.y] + scene.normals[t.z];
+        opposed += glm::dot(mean, geometricNormal(scene, i)) < 0.0f ? 1 : 0;
+    }
+    // The statue has creases narrower than its triangles.
+    EXPECT_LE(opposed, scene.triangleCount() / 500);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SceneFiles, testing::ValuesIn(scenes::allScenes()),
+                         [](const auto& info) {
+                             return std::filesystem::path(info.param.file_name).stem().string();
+                         });
+
+}  // namespace
+}  // namespace sheen

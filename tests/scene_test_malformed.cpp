@@ -1,0 +1,364 @@
+// The loader on files that are broken: always one line that names the file, never a crash.
+#include <functional>
+
+#include "scene_test_gltf.h"
+
+namespace sheen {
+namespace {
+
+void expectInputError(const std::string& path, const std::string& mentions) {
+    try {
+        loadScene(path);
+        ADD_FAILURE() << "loaded; expected an error about " << mentions;
+    } catch (const Error& error) {
+        const std::string message = error.what();
+        EXPECT_EQ(error.code(), ExitCode::kInput) << message;
+        EXPECT_EQ(message.rfind(path, 0), 0u) << "must begin with the file: " << message;
+        EXPECT_NE(message.find(mentions), std::string::npos) << message;
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+}
+
+// A file that uses one of everything that is checked.
+GltfFile sound() {
+    GltfFile file = oneTriangle();
+    Json& primitive = file.json["meshes"][0]["primitives"][0];
+    primitive["indices"] = file.addAccessor<uint16_t>({0, 1, 2}, kUnsignedShort, "SCALAR", 1);
+    primitive["attributes"]["NORMAL"] =
+        file.addAccessor<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, kFloat, "VEC3", 3);
+    primitive["attributes"]["TEXCOORD_0"] =
+        file.addAccessor<float>({0, 0, 1, 0, 0, 1}, kFloat, "VEC2", 2);
+    primitive["material"] = 0;
+    file.json["images"] = Json::array(
+        {{{"bufferView", file.addView<uint8_t>({1, 2, 3, 4})}, {"mimeType", "image/png"}}});
+    file.json["samplers"] = Json::array({Json::object()});
+    file.json["textures"] = Json::array({{{"source", 0}, {"sampler", 0}}});
+    file.json["materials"] = Json::array({{{"name", "paint"}}});
+    file.json["cameras"] =
+        Json::array({{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}});
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({{{"type", "point"}}});
+    file.json["nodes"].push_back({{"camera", 0}});
+    file.json["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    return file;
+}
+
+struct Breakage {
+    const char* name;
+    std::function<void(Json&)> apply;
+    const char* mentions;
+};
+
+void PrintTo(const Breakage& breakage, std::ostream* out) { *out << breakage.name; }
+
+Json& primitiveOf(Json& json) { return json["meshes"][0]["primitives"][0]; }
+void useTexture(Json& json, int index) {
+    json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = index;
+}
+
+const Breakage kBreakages[] = {
+    {"PositionAccessorMissing", [](Json& j) { primitiveOf(j)["attributes"]["POSITION"] = 99; },
+     "accessor 99"},
+    {"PositionAccessorNegative", [](Json& j) { primitiveOf(j)["attributes"]["POSITION"] = -3; },
+     "accessor -3"},
+    {"IndexAccessorMissing", [](Json& j) { primitiveOf(j)["indices"] = 99; }, "indices"},
+    {"IndexAccessorNegative", [](Json& j) { primitiveOf(j)["indices"] = -7; }, "accessor -7"},
+    {"IndexOutOfRange",
+     [](Json& j) {
+         j["accessors"][1]["bufferView"] = 0;
+         j["accessors"][1]["byteOffset"] = 12;  // the bits of the position 1.0
+     },
+     "out of range"},
+    {"IndicesAreFloats", [](Json& j) { primitiveOf(j)["indices"] = 0; }, "unsigned integer"},
+    {"MaterialMissing", [](Json& j) { primitiveOf(j)["material"] = 5; }, "material 5"},
+    {"MaterialNegative", [](Json& j) { primitiveOf(j)["material"] = -5; }, "material -5"},
+    {"ModeUnknown", [](Json& j) { primitiveOf(j)["mode"] = 17; }, "mode 17"},
+    {"BufferViewMissing", [](Json& j) { j["accessors"][0]["bufferView"] = 99; }, "buffer view 99"},
+    {"AccessorWithoutBufferView", [](Json& j) { j["accessors"][0].erase("bufferView"); },
+     "no buffer view"},
+    {"AccessorBeyondView", [](Json& j) { j["accessors"][0]["count"] = 4; }, "reach beyond"},
+    {"AccessorCountHuge", [](Json& j) { j["accessors"][0]["count"] = 18446744073709551615ull; },
+     "reach beyond"},
+    {"AccessorCountZero", [](Json& j) { j["accessors"][0]["count"] = 0; }, "no elements"},
+    {"AccessorOffsetHuge",
+     [](Json& j) { j["accessors"][0]["byteOffset"] = 18446744073709551608ull; }, "reach beyond"},
+    {"AccessorTypeUnknown", [](Json& j) { j["accessors"][0]["type"] = "VEC5"; }, "VEC5"},
+    {"AccessorComponentUnknown", [](Json& j) { j["accessors"][0]["componentType"] = 7; }, "7"},
+    {"PositionsAreBytes", [](Json& j) { j["accessors"][0]["componentType"] = kByte; }, "byte"},
+    {"PositionsAreDoubles", [](Json& j) { j["accessors"][0]["componentType"] = 5130; },
+     "components"},
+    {"PositionsAreVec2", [](Json& j) { j["accessors"][0]["type"] = "VEC2"; }, "VEC3"},
+    {"NormalsAreFewer", [](Json& j) { j["accessors"][2]["count"] = 2; }, "NORMAL"},
+    {"TexcoordsAreFewer", [](Json& j) { j["accessors"][3]["count"] = 1; }, "TEXCOORD_0"},
+    {"StrideUneven", [](Json& j) { j["bufferViews"][0]["byteStride"] = 13; }, "byteStride"},
+    {"StrideTooLong", [](Json& j) { j["bufferViews"][0]["byteStride"] = 252; }, "reach beyond"},
+    {"ViewBeyondBuffer", [](Json& j) { j["bufferViews"][0]["byteLength"] = 100000; },
+     "buffer view 0"},
+    {"ViewOffsetHuge", [](Json& j) { j["bufferViews"][0]["byteOffset"] = 18446744073709551615ull; },
+     "buffer view 0"},
+    {"ViewOfMissingBuffer", [](Json& j) { j["bufferViews"][0]["buffer"] = 4; }, "buffer 4"},
+    {"BufferLongerThanFile",
+     [](Json& j) {
+         j["buffers"] = Json::array({{{"byteLength", 1 << 20}}});
+     },
+     "byteLength"},
+    {"BufferOfNoBytes",
+     [](Json& j) {
+         j["buffers"] = Json::array({{{"byteLength", 0}}});
+     },
+     "glTF"},
+    {"BufferFileMissing",
+     [](Json& j) {
+         j["buffers"] = Json::array({{{"byteLength", 8}, {"uri", "nowhere.bin"}}});
+     },
+     "nowhere.bin"},
+    {"BufferFileIsADevice",
+     [](Json& j) {
+         j["buffers"] = Json::array({{{"byteLength", 8}, {"uri", "../../../../../dev/zero"}}});
+     },
+     "glTF"},
+    {"SparseIndexOutOfRange",
+     [](Json& j) {
+         j["accessors"][0]["sparse"] = {
+             {"count", 1},
+             {"indices", {{"bufferView", 2}, {"componentType", kUnsignedInt}, {"byteOffset", 8}}},
+             {"values", {{"bufferView", 2}}}};
+     },
+     "sparse"},
+    {"SparseCountNegative",
+     [](Json& j) {
+         j["accessors"][0]["sparse"] = {
+             {"count", -1},
+             {"indices", {{"bufferView", 1}, {"componentType", kUnsignedShort}}},
+             {"values", {{"bufferView", 0}}}};
+     },
+     "sparse"},
+    {"TextureMissing", [](Json& j) { useTexture(j, 3); }, "texture 3"},
+    {"TextureNegative", [](Json& j) { useTexture(j, -3); }, "texture -3"},
+    {"ImageMissing",
+     [](Json& j) {
+         useTexture(j, 0);
+         j["textures"][0]["source"] = 8;
+     },
+     "image 8"},
+    {"ImageUndecodable", [](Json& j) { useTexture(j, 0); }, "decoded"},
+    {"ImageFileMissing",
+     [](Json& j) {
+         useTexture(j, 0);
+         j["images"][0] = {{"uri", "nowhere.png"}};
+     },
+     "nowhere.png"},
+    {"ImageViewBeyondBuffer",
+     [](Json& j) {
+         useTexture(j, 0);
+         j["bufferViews"][4]["byteOffset"] = 1 << 30;
+     },
+     "buffer view 4"},
+    {"SamplerMissing",
+     [](Json& j) {
+         useTexture(j, 0);
+         j["textures"][0]["sampler"] = 2;
+     },
+     "sampler 2"},
+    {"WrapUnknown",
+     [](Json& j) {
+         useTexture(j, 0);
+         j["samplers"][0]["wrapS"] = 12;
+     },
+     "wrap mode 12"},
+    {"SpecularFactorIsText",
+     [](Json& j) {
+         j["materials"][0]["extensions"]["KHR_materials_specular"]["specularFactor"] = "much";
+     },
+     "specularFactor"},
+    {"SpecularColorTooShort",
+     [](Json& j) {
+         j["materials"][0]["extensions"]["KHR_materials_specular"]["specularColorFactor"] = {1, 2};
+     },
+     "specularColorFactor"},
+    {"EmissionOverflows",
+     [](Json& j) {
+         j["materials"][0]["emissiveFactor"] = {1, 1, 1};
+         j["materials"][0]["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] =
+             1e300;
+     },
+     "emission"},
+    {"MeshMissing", [](Json& j) { j["nodes"][0]["mesh"] = 4; }, "mesh 4"},
+    {"CameraMissing", [](Json& j) { j["nodes"][1]["camera"] = 4; }, "camera 4"},
+    {"LightMissing",
+     [](Json& j) { j["nodes"][2]["extensions"]["KHR_lights_punctual"]["light"] = 4; }, "light 4"},
+    {"LightIndexHuge",
+     [](Json& j) { j["nodes"][2]["extensions"]["KHR_lights_punctual"]["light"] = 1e18; }, "light"},
+    {"LightTypeUnknown",
+     [](Json& j) { j["extensions"]["KHR_lights_punctual"]["lights"][0]["type"] = "candle"; },
+     "candle"},
+    {"LightNegative",
+     [](Json& j) { j["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = -1; },
+     "negative"},
+    {"ConeInsideOut",
+     [](Json& j) {
+         j["extensions"]["KHR_lights_punctual"]["lights"][0] = {
+             {"type", "spot"}, {"spot", {{"innerConeAngle", 0.9}, {"outerConeAngle", 0.3}}}};
+     },
+     "cone"},
+    {"FieldOfViewTooWide", [](Json& j) { j["cameras"][0]["perspective"]["yfov"] = 4.0; }, "yfov"},
+    {"ChildMissing", [](Json& j) { j["nodes"][1]["children"] = {9}; }, "node 9"},
+    {"NodeCycle",
+     [](Json& j) {
+         j["nodes"][1]["children"] = {2};
+         j["nodes"][2]["children"] = {1};
+         j["scenes"] = Json::array({{{"nodes", {1}}}});
+     },
+     "reached twice"},
+    {"NodeIsItsOwnChild",
+     [](Json& j) {
+         j["nodes"][1]["children"] = {1};
+         j["scenes"] = Json::array({{{"nodes", {1}}}});
+     },
+     "reached twice"},
+    {"SceneMissing",
+     [](Json& j) {
+         j["scenes"] = Json::array({{{"nodes", {0}}}});
+         j["scene"] = 3;
+     },
+     "scene 3"},
+    {"MatrixTooShort",
+     [](Json& j) {
+         j["nodes"][0]["matrix"] = {1, 0, 0};
+     },
+     "matrix"},
+    {"RotationZero",
+     [](Json& j) {
+         j["nodes"][0]["rotation"] = {0, 0, 0, 0};
+     },
+     "rotation"},
+    {"ScaleOverflows",
+     [](Json& j) {
+         j["nodes"][0]["scale"] = {1e300, 1, 1};
+     },
+     "scale"},
+    {"TransformsOverflowTogether",
+     [](Json& j) {
+         j["nodes"][0]["scale"] = {1e30, 1, 1};
+         j["nodes"][1]["scale"] = {1e30, 1, 1};
+         j["nodes"][1]["children"] = {0};
+     },
+     "transform"},
+    {"RequiredExtensionUnknown", [](Json& j) { j["extensionsRequired"] = {"KHR_secret"}; },
+     "KHR_secret"},
+    {"RequiresDraco",
+     [](Json& j) {
+         j["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+         j["accessors"][1].erase("bufferView");
+     },
+     "KHR_draco_mesh_compression"},
+    {"UsesDraco",
+     [](Json& j) {
+         primitiveOf(j)["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
+     },
+     "KHR_draco_mesh_compression"},
+    {"UsesMeshopt",
+     [](Json& j) {
+         j["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = {{"buffer", 0}};
+     },
+     "EXT_meshopt_compression"},
+    {"VersionOne", [](Json& j) { j["asset"]["version"] = "1.0"; }, "version"},
+    {"AssetMissing", [](Json& j) { j.erase("asset"); }, "asset"},
+    {"MeshesAreNumbers",
+     [](Json& j) {
+         j["meshes"] = {1, 2};
+     },
+     "glTF"},
+};
+
+class SceneLoaderMalformed : public testing::TestWithParam<Breakage> {};
+
+TEST_P(SceneLoaderMalformed, IsOneLineOfInputError) {
+    GltfFile file = sound();
+    GetParam().apply(file.json);
+    expectInputError(file.write(), GetParam().mentions);
+}
+
+INSTANTIATE_TEST_SUITE_P(Json, SceneLoaderMalformed, testing::ValuesIn(kBreakages),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST(SceneLoaderBroken, TheSoundFileLoads) { EXPECT_EQ(sound().load().triangleCount(), 1); }
+
+TEST(SceneLoaderBroken, MissingFile) {
+    expectInputError(temporaryPath("absent.glb"), "no such file");
+}
+
+TEST(SceneLoaderBroken, Directory) {
+    const std::string path = temporaryPath("folder.glb");
+    std::filesystem::create_directories(path);
+    expectInputError(path, "directory");
+}
+
+TEST(SceneLoaderBroken, EmptyFile) {
+    const std::string path = temporaryPath("empty.glb");
+    writeFile(path, "");
+    expectInputError(path, "empty");
+}
+
+TEST(SceneLoaderBroken, TextRenamed) {
+    const std::string path = temporaryPath("notes.glb");
+    writeFile(path, "Dear diary, today I rendered a teapot.\n");
+    expectInputError(path, "neither");
+}
+
+TEST(SceneLoaderBroken, JsonCutShort) {
+    const std::string path = temporaryPath("cut.gltf");
+    writeFile(path, R"({"asset": {"version": )");
+    expectInputError(path, "glTF");
+}
+
+TEST(SceneLoaderBroken, JsonNestedWithoutEnd) {
+    const std::string path = temporaryPath("deep.gltf");
+    writeFile(path, R"({"asset":{"version":"2.0"},"extras":)" + std::string(1000000, '[') +
+                        std::string(1000000, ']') + "}");
+    expectInputError(path, "nested");
+}
+
+TEST(SceneLoaderBroken, OldBinaryVersion) {
+    const std::string path = temporaryPath("old.glb");
+    std::string bytes = sound().glb();
+    bytes[4] = 1;
+    writeFile(path, bytes);
+    expectInputError(path, "version 1");
+}
+
+TEST(SceneLoaderBroken, EveryTruncationIsAnInputError) {
+    const std::string path = temporaryPath("truncated.glb");
+    const std::string bytes = sound().glb();
+    for (size_t size = 1; size < bytes.size(); size += 7) {
+        writeFile(path, bytes.substr(0, size));
+        expectInputError(path, "");
+    }
+}
+
+// Any byte may be wrong: the loader loads or complains, nothing else.
+TEST(SceneLoaderBroken, NoFlippedByteCrashes) {
+    const std::string path = temporaryPath("flipped.glb");
+    const std::string bytes = sound().glb();
+    for (size_t i = 0; i < bytes.size(); ++i) {
+        std::string flipped = bytes;
+        flipped[i] = static_cast<char>(flipped[i] ^ (1 << i % 7));
+        writeFile(path, flipped);
+        try {
+            loadScene(path);
+        } catch (const Error& error) {
+            EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+        }
+    }
+}
+
+TEST(SceneLoaderBroken, LongChainOfNodesIsNoProblem) {
+    GltfFile file = oneTriangle();
+    constexpr int kLength = 20000;
+    for (int i = 1; i < kLength; ++i) {
+        file.json["nodes"].push_back({{"children", {i - 1}}});
+    }
+    EXPECT_EQ(file.load().triangleCount(), 1);
+}
+
+}  // namespace
+}  // namespace sheen
