@@ -42,7 +42,7 @@ class Placer {
           batch_(batch),
           sums_(gbuffer.width, gbuffer.height) {}
 
-    Placement run();
+    Placement run(bool quiet);
 
   private:
     struct Placed {
@@ -218,9 +218,9 @@ void Placer::place(int pixel) {
     splat(g.record, true);
 }
 
-Placement Placer::run() {
+Placement Placer::run(bool quiet) {
     const int count = gbuffer_.width * gbuffer_.height;
-    Progress progress("placing records", count, params_.quiet);
+    Progress progress("placing records", count, quiet);
     // Clamping a neighbour may uncover pixels behind the scan: scan again until nothing is missed.
     // Every record keeps serving its own pixel, so this ends.
     bool placed_any = true;
@@ -280,8 +280,9 @@ Placement Placer::run() {
 }  // namespace
 
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                       const PlacementParams& params, const GatherFunction& gather, int batch) {
-    return Placer(scene, gbuffer, classes, params, gather, batch).run();
+                       const PlacementParams& params, const GatherFunction& gather, int batch,
+                       bool quiet) {
+    return Placer(scene, gbuffer, classes, params, gather, batch).run(quiet);
 }
 
 PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius) {

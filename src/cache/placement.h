@@ -20,7 +20,6 @@ struct PlacementParams {
     float max_pixels = 40.0f;      ///< greatest reach
     bool neighbour_clamping = true;
     float gradient_limit = 0.5f;   ///< greatest extrapolated change relative to the value
-    bool quiet = false;
 
     WeightParams weight() const {
         return {.accuracy = accuracy, .normal_weight = normal_weight, .slab = slab};
@@ -40,7 +39,8 @@ struct Placement {
 /// are. Ahead of the scan, likely sites are gathered `batch` at a time, so that the gather can run
 /// in parallel; what is placed is exactly what the one-by-one scan places, whatever the batch.
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                       const PlacementParams& params, const GatherFunction& gather, int batch);
+                       const PlacementParams& params, const GatherFunction& gather, int batch,
+                       bool quiet);
 
 /// Rectangle of pixels [x0, x1) x [y0, y1) that bounds a sphere in the image, conservatively; the
 /// whole image when the sphere comes near the camera; empty when it lies behind.

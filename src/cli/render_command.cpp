@@ -92,7 +92,7 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
         o.limited.push_back({option, std::move(methods)});
         return option;
     };
-    limited(app.add_option("--accuracy", p.accuracy,
+    limited(app.add_option("--accuracy", p.placement.accuracy,
                            "radiance, irradiance: largest error of a record's reuse, smaller is "
                            "better and slower")
                 ->check(numberIn(0.01, 2)),

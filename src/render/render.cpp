@@ -78,13 +78,12 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
 
     Timer placement_timer;
     Placement placement;
-    const PlacementParams placement_params{.accuracy = params.accuracy, .quiet = params.quiet};
     {
         Gatherer gatherer(pool, scene, gpu, params.gather);
         placement = placeRecords(
-            scene, gbuffer, classes, placement_params,
+            scene, gbuffer, classes, params.placement,
             [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); },
-            gatherer.batchSize());
+            gatherer.batchSize(), params.quiet);
         seconds.gather = gatherer.seconds().raster;
         seconds.project = gatherer.seconds().project;
     }
@@ -93,7 +92,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     Timer splat_timer;
     const PixelLobes lobes = buildLobes(gbuffer, classes);
     const SplatBuffer splat = splatGpu(pool, gbuffer, classes, lobes, placement.cache,
-                                       placement_params.weight());
+                                       params.placement.weight());
     seconds.splat = splat_timer.seconds();
 
     Timer compose_timer;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cache/placement.h"
 #include "hemisphere/hemisphere.h"
 #include "image/frame.h"
 #include "scene/scene.h"
@@ -20,7 +21,7 @@ struct RenderParams {
     int height = 512;
     std::string camera;  ///< name or index; empty: the scene's first
     // The cached methods.
-    float accuracy = 0.15f;  ///< Ward's a: smaller is better and slower
+    PlacementParams placement;
     int sh_order = 0;        ///< 0: chosen per material
     HemisphereParams gather;
     // The reference.
