@@ -1,12 +1,8 @@
-// The glTF loader: reads and parses the file, then walks its nodes, appending meshes, lights and
-// cameras in world space. Never trusts the file: see gltf_parts.h.
+// The glTF loader: parses the file, then walks its nodes, appending meshes, lights and cameras in
+// world space. Never trusts the file: see gltf_parts.h.
 // Based on: the glTF 2.0 specification, KHR_lights_punctual.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <set>
@@ -15,216 +11,7 @@
 
 namespace sheen {
 namespace gltf {
-
-void Notes::add(const std::string& what, int64_t count) {
-    for (auto& [known, total] : notes_) {
-        if (known == what) {
-            total += count;
-            return;
-        }
-    }
-    notes_.emplace_back(what, count);
-}
-
-std::vector<std::string> Notes::lines() const {
-    std::vector<std::string> lines;
-    for (const auto& [what, count] : notes_) {
-        lines.push_back(count == 1 ? what : fmt::format("{} ({} times)", what, count));
-    }
-    return lines;
-}
-
-bool File::uses(const std::string& extension) const {
-    const std::vector<std::string>& used = model.extensionsUsed;
-    return std::find(used.begin(), used.end(), extension) != used.end();
-}
-
-float finiteFloat(const File& file, double value, const std::string& where, const char* what) {
-    const auto result = static_cast<float>(value);
-    if (!std::isfinite(result)) {
-        file.fail(where, "{} {} is not a number that can be used; mend it", what, value);
-    }
-    return result;
-}
-
-double numberMember(const File& file, const tinygltf::Value& object, const std::string& key,
-                    double fallback, const std::string& where) {
-    if (!object.Has(key)) {
-        return fallback;
-    }
-    const tinygltf::Value& member = object.Get(key);
-    if (!member.IsNumber()) {
-        file.fail(where, "{} must be a number", key);
-    }
-    return member.GetNumberAsDouble();
-}
-
 namespace {
-
-constexpr int kMaxJsonDepth = 200;
-constexpr size_t kGlbHeaderSize = 20;
-
-// Extensions that are read; KHR_texture_transform is not, but has its own note at the material.
-const std::set<std::string> kSupported = {"KHR_materials_specular",
-                                          "KHR_materials_emissive_strength", "KHR_lights_punctual",
-                                          "KHR_mesh_quantization"};
-
-std::string readWholeFile(const std::string& path) {
-    std::error_code error;
-    const std::filesystem::file_status status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) {
-        throwInput("{}: no such file; check the path", path);
-    }
-    if (std::filesystem::is_directory(status)) {
-        throwInput("{}: is a directory; name the .glb or .gltf file in it", path);
-    }
-    std::ifstream in(path, std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    if (!in.is_open() || in.bad()) {
-        throwInput("{}: cannot be read; check its permissions", path);
-    }
-    if (bytes.empty()) {
-        throwInput("{}: is empty; export it again", path);
-    }
-    if (bytes.size() > std::numeric_limits<uint32_t>::max()) {
-        throwInput("{}: has more than 4 GiB, which glTF cannot hold; split the scene", path);
-    }
-    return bytes;
-}
-
-uint32_t littleEndian32(const std::string& bytes, size_t offset) {
-    uint32_t value = 0;
-    for (size_t i = 4; i-- > 0;) {
-        value = value << 8 | static_cast<unsigned char>(bytes[offset + i]);
-    }
-    return value;
-}
-
-bool isBinary(const std::string& bytes) { return bytes.compare(0, 4, "glTF") == 0; }
-
-// Checks a .glb file's header and returns its JSON; for other files the whole text.
-std::string_view jsonOf(const std::string& path, const std::string& bytes) {
-    if (!isBinary(bytes)) {
-        const size_t start = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-        if (start == std::string::npos || bytes[start] != '{') {
-            throwInput("{}: is neither a .glb nor a .gltf file by its content; export it again",
-                       path);
-        }
-        return bytes;
-    }
-    if (bytes.size() < kGlbHeaderSize) {
-        throwInput("{}: header: the file ends after {} bytes; copy or export it again", path,
-                   bytes.size());
-    }
-    const uint32_t version = littleEndian32(bytes, 4);
-    if (version != 2) {
-        throwInput("{}: header: is binary glTF version {}; export it as version 2", path, version);
-    }
-    const uint32_t length = littleEndian32(bytes, 8);
-    const uint32_t json_length = littleEndian32(bytes, 12);
-    if (length > bytes.size() || json_length > bytes.size() - kGlbHeaderSize) {
-        throwInput(
-            "{}: header: the file is truncated: it should have {} bytes and has {}; copy or "
-            "export it again",
-            path, std::max<uint64_t>(length, uint64_t{json_length} + kGlbHeaderSize), bytes.size());
-    }
-    return std::string_view(bytes).substr(kGlbHeaderSize, json_length);
-}
-
-// tinygltf copies JSON values recursively: nesting without end would overflow the stack.
-void checkNesting(const std::string& path, std::string_view json) {
-    int depth = 0;
-    bool in_string = false;
-    for (size_t i = 0; i < json.size(); ++i) {
-        const char c = json[i];
-        if (in_string) {
-            i += c == '\\' ? 1 : 0;
-            in_string = c != '"';
-        } else if (c == '"') {
-            in_string = true;
-        } else if (c == '{' || c == '[') {
-            if (++depth > kMaxJsonDepth) {
-                throwInput("{}: JSON: nested more than {} deep; export it again", path,
-                           kMaxJsonDepth);
-            }
-        } else if (c == '}' || c == ']') {
-            --depth;
-        }
-    }
-}
-
-// Keeps an image's bytes; those in buffer views are read later, with their bounds checked.
-bool keepImage(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
-               const unsigned char* bytes, int size, void*) {
-    if (image->bufferView < 0) {
-        image->image.assign(bytes, bytes + size);
-    }
-    return true;
-}
-
-// External files must be regular ones: a scene cannot name a device or a directory.
-bool readExternal(std::vector<unsigned char>* out, std::string* error, const std::string& path,
-                  void* user_data) {
-    std::error_code code;
-    if (!std::filesystem::is_regular_file(path, code)) {
-        *error += fmt::format("{} is not a file", path);
-        return false;
-    }
-    return tinygltf::ReadWholeFile(out, error, path, user_data);
-}
-
-std::string oneLine(std::string text) {
-    constexpr size_t kLongest = 240;
-    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) {
-        text.pop_back();
-    }
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return text.size() > kLongest ? text.substr(0, kLongest) + "..." : text;
-}
-
-void checkRequiredExtensions(const File& file) {
-    for (const std::string& name : file.model.extensionsRequired) {
-        if (kSupported.count(name) == 0) {
-            file.fail("extensionsRequired", "{} is not supported; export the file without it",
-                      name);
-        }
-    }
-}
-
-void parse(File& file) {
-    const std::string bytes = readWholeFile(file.path);
-    checkNesting(file.path, jsonOf(file.path, bytes));
-    tinygltf::TinyGLTF parser;
-    parser.SetImageLoader(&keepImage, nullptr);
-    parser.SetFsCallbacks({&tinygltf::FileExists, &tinygltf::ExpandFilePath, &readExternal,
-                           &tinygltf::WriteWholeFile, nullptr});
-    const std::string folder = std::filesystem::path(file.path).parent_path().string();
-    const auto size = static_cast<unsigned int>(bytes.size());
-    std::string error;
-    std::string warning;
-    bool parsed = false;
-    try {
-        parsed = isBinary(bytes)
-                     ? parser.LoadBinaryFromMemory(
-                           &file.model, &error, &warning,
-                           reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
-                     : parser.LoadASCIIFromString(&file.model, &error, &warning, bytes.data(), size,
-                                                  folder);
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& e) {  // of the JSON library, on values of the wrong type
-        error = e.what();
-    }
-    // A file compressed by an extension often fails to parse for that reason: name it first.
-    checkRequiredExtensions(file);
-    if (!parsed) {
-        file.fail("glTF", "{}; export it again", oneLine(error));
-    }
-    if (file.model.asset.version.compare(0, 2, "2.") != 0) {
-        file.fail("asset", "is glTF version {}; export it as version 2.0",
-                  oneLine(file.model.asset.version));
-    }
-}
 
 // The glTF matrix of a node, from its matrix or its translation, rotation and scale.
 glm::dmat4 localTransform(const File& file, const tinygltf::Node& node, const std::string& where) {
@@ -444,17 +231,6 @@ Camera framingCamera(const Bounds& bounds) {
     return camera;
 }
 
-void noteIgnoredExtensions(File& file) {
-    for (const std::string& name : file.model.extensionsUsed) {
-        if (kSupported.count(name) == 0 && name != "KHR_texture_transform") {
-            file.notes.add(fmt::format("extension {} is not supported and ignored", oneLine(name)));
-        }
-    }
-    if (!file.model.animations.empty()) {
-        file.notes.add("animations are not supported: the scene is shown at rest");
-    }
-}
-
 }  // namespace
 }  // namespace gltf
 
@@ -468,7 +244,7 @@ Scene loadScene(const std::string& path) {
     } catch (const std::bad_alloc&) {
         throwEnvironment("{}: not enough memory to load it", path);
     }
-    gltf::noteIgnoredExtensions(file);
+    gltf::noteIgnoredParts(file);
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");
     }

@@ -54,6 +54,16 @@ struct File {
     bool uses(const std::string& extension) const;
 };
 
+/// Reads `file.path` into `file.model`: whole, version 2, with no extension required that is not
+/// supported; images stay encoded. Throws input errors.
+void parse(File& file);
+
+/// Notes what the file as a whole asks for and does not get: extensions, animations.
+void noteIgnoredParts(File& file);
+
+/// Text from the file or a library, fit for a message: newlines become spaces, long text is cut.
+std::string oneLine(std::string text);
+
 /// Which component types an accessor may have beside float.
 enum class Integers { kNo, kNormalizedUnsigned, kAny };
 
