@@ -281,7 +281,8 @@ Mesh groinVault(double half, int cells) {
 Mesh doorway(double half_width, double height, double recess) {
     Mesh mesh;
     const double w = half_width;
-    // Jambs and lintel of the recess, and the door itself.
+    // Threshold, jambs and lintel of the recess, and the door itself.
+    addQuad(mesh, {dvec3(-w, 0, 0), dvec3(w, 0, 0), dvec3(w, 0, -recess), dvec3(-w, 0, -recess)});
     addQuad(mesh, {dvec3(-w, 0, 0), dvec3(-w, 0, -recess), dvec3(-w, height, -recess),
                    dvec3(-w, height, 0)});
     addQuad(mesh,
