@@ -9,9 +9,10 @@
 namespace sheen {
 namespace {
 
-constexpr int kStripSteps = 8;       // azimuths a border texel's strip is integrated over
-constexpr int kFootprintSide = 2;    // pieces along a side of an ordinary texel
-constexpr int kWallSteps = 4;        // pieces a wall's cosine is integrated over
+constexpr int kStripSteps = 8;  // azimuths a border texel's strip is integrated over, at least
+constexpr float kStripStep = 0.035f;  // their greatest width, radians
+constexpr int kFootprintSide = 2;     // pieces along a side of an ordinary texel
+constexpr int kWallSteps = 4;         // pieces a wall's cosine is integrated over
 constexpr float kTwoPi = 2.0f * kPi;
 
 // Rectangle of a texel on its face's plane, in the coordinates of planeSolidAngle().
@@ -34,20 +35,52 @@ vec3 faceDirection(const HemisphereFace& face, float u, float v) {
 std::vector<HemisphereFace> makeFaces(const HemisphereParams& p) {
     const int s = p.size;
     if (p.kind != HemisphereKind::kHemicube) {
-        return {{.right = {p.extent, 0, 0}, .up = {0, p.extent, 0}, .forward = {0, 0, 1},
-                 .x = 0, .y = 0, .width = s, .height = s}};
+        return {{.right = {p.extent, 0, 0},
+                 .up = {0, p.extent, 0},
+                 .forward = {0, 0, 1},
+                 .x = 0,
+                 .y = 0,
+                 .width = s,
+                 .height = s}};
     }
-    std::vector<HemisphereFace> faces = {{.right = {1, 0, 0}, .up = {0, 1, 0}, .forward = {0, 0, 1},
-                                          .x = 0, .y = 0, .width = s, .height = s}};
+    std::vector<HemisphereFace> faces = {{.right = {1, 0, 0},
+                                          .up = {0, 1, 0},
+                                          .forward = {0, 0, 1},
+                                          .x = 0,
+                                          .y = 0,
+                                          .width = s,
+                                          .height = s}};
     const vec3 sides[] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
     for (int i = 0; i < 4; ++i) {
         // The upper half of a cube's side: heights 0 to 1 over the tangent plane.
         const vec3 up(0, 0, 0.5f);
-        faces.push_back({.right = glm::cross(vec3(0, 0, 1), sides[i]), .up = up,
-                         .forward = sides[i] + up, .x = 0, .y = s + i * (s / 2), .width = s,
+        faces.push_back({.right = glm::cross(vec3(0, 0, 1), sides[i]),
+                         .up = up,
+                         .forward = sides[i] + up,
+                         .x = 0,
+                         .y = s + i * (s / 2),
+                         .width = s,
                          .height = s / 2});
     }
     return faces;
+}
+
+// Integral of cos(theta) over a rectangle of any face: the sum over its edges, each a great
+// circle's arc, of half the arc times the z of its plane's normal. [Lambert 1760]
+float rectCosine(const HemisphereFace& face, const TexelRect& r) {
+    const vec2 corners[] = {{r.u0, r.v0}, {r.u1, r.v0}, {r.u1, r.v1}, {r.u0, r.v1}};
+    const auto direction = [&](int k) {
+        const glm::dvec2 c(corners[k % 4]);
+        return glm::normalize(glm::dvec3(face.forward) + c.x * glm::dvec3(face.right) +
+                              c.y * glm::dvec3(face.up));
+    };
+    double sum = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        const glm::dvec3 normal = glm::cross(direction(k), direction(k + 1));
+        const double sine = glm::length(normal);
+        sum += 0.5 * std::atan2(sine, glm::dot(direction(k), direction(k + 1))) * normal.z / sine;
+    }
+    return static_cast<float>(std::abs(sum));
 }
 
 bool onBorder(const HemisphereFace& face, int i, int j) {
@@ -61,7 +94,8 @@ vec2 borderAzimuths(const HemisphereFace& face, int i, int j) {
     const float middle = std::atan2(center.y, center.x);
     float low = 0.0f;
     float high = 0.0f;
-    for (const vec2 corner : {vec2(r.u0, r.v0), vec2(r.u1, r.v0), vec2(r.u0, r.v1), vec2(r.u1, r.v1)}) {
+    for (const vec2 corner :
+         {vec2(r.u0, r.v0), vec2(r.u1, r.v0), vec2(r.u0, r.v1), vec2(r.u1, r.v1)}) {
         const float limit = 1.0f - 1e-6f;
         if (std::abs(corner.x) < limit && std::abs(corner.y) < limit) {
             continue;  // an inner corner
@@ -74,12 +108,20 @@ vec2 borderAzimuths(const HemisphereFace& face, int i, int j) {
     return {middle + low, middle + high};
 }
 
+// Even, so that no step straddles the corner in the middle of a corner texel's azimuths.
+int stripSteps(const vec2& azimuths) {
+    return std::max(kStripSteps,
+                    2 * static_cast<int>(std::ceil(0.5f * (azimuths.y - azimuths.x) / kStripStep)));
+}
+
 // The strip of a border texel, from the plane's edge to the horizon, in pieces.
-void appendStrip(const HemisphereFace& face, const vec2& azimuths, std::vector<FootprintSample>& out) {
+void appendStrip(const HemisphereFace& face, const vec2& azimuths,
+                 std::vector<FootprintSample>& out) {
     const float extent = face.right.x;
-    const float step = (azimuths.y - azimuths.x) / kStripSteps;
+    const int steps = stripSteps(azimuths);
+    const float step = (azimuths.y - azimuths.x) / static_cast<float>(steps);
     constexpr int kHeights = 4;
-    for (int k = 0; k < kStripSteps; ++k) {
+    for (int k = 0; k < steps; ++k) {
         const float phi = azimuths.x + (static_cast<float>(k) + 0.5f) * step;
         const float top = shared::borderCosine(phi, extent);
         for (int i = 0; i < kHeights; ++i) {
@@ -140,15 +182,19 @@ void fillTexels(Hemisphere& h) {
             cosine += s.solid_angle * s.direction.z;
             moment += s.solid_angle * vec2(s.direction);
         }
-        if (!side) {
+        if (side) {
+            cosine = rectCosine(face, r);
+        } else {
             // The top plane's part has a closed form; the strip's cosine is half of cos^2.
             const float e = face.right.x;
             cosine = shared::planeCosine(r.u0 * e, r.v0 * e, r.u1 * e, r.v1 * e);
             if (h.at_horizon[index] != 0) {
                 const vec2 az = h.azimuths[index];
-                const float step = (az.y - az.x) / kStripSteps;
-                for (int k = 0; k < kStripSteps; ++k) {
-                    const float top = shared::borderCosine(az.x + (k + 0.5f) * step, e);
+                const int steps = stripSteps(az);
+                const float step = (az.y - az.x) / static_cast<float>(steps);
+                for (int k = 0; k < steps; ++k) {
+                    const float phi = az.x + (static_cast<float>(k) + 0.5f) * step;
+                    const float top = shared::borderCosine(phi, e);
                     cosine += 0.5f * top * top * step;
                 }
             }
@@ -199,9 +245,14 @@ vec3 horizonBelow(const vec3& d) {
 // Walls are the edges that two texels share, on one face or across two: corners are matched by
 // direction. The outer edges of the whole layout belong to one texel only and are no walls.
 void fillWalls(Hemisphere& h) {
+    // Projected onto the cube, corners are multiples of 2 / size: far from where rounding to
+    // 2^-14 decides, so that two faces' corners, which differ in the last bits, agree.
     const auto corner_key = [](const vec3& d) {
-        const auto q = [](float v) { return static_cast<uint64_t>(std::lround(v * 524288.0f) + 524288); };
-        return (q(d.x) << 42) | (q(d.y) << 21) | q(d.z);
+        const vec3 on_cube = d / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+        const auto q = [](float v) {
+            return static_cast<uint64_t>(std::lround(v * 16384.0f) + 16384);
+        };
+        return (q(on_cube.x) << 42) | (q(on_cube.y) << 21) | q(on_cube.z);
     };
     struct Edge {
         uint32_t texel;
@@ -266,7 +317,8 @@ std::vector<FootprintSample> footprint(const Hemisphere& h, int texel) {
     float sum = 0.0f;
     for (int y = 0; y < kFootprintSide; ++y) {
         for (int x = 0; x < kFootprintSide; ++x) {
-            const vec3 d = face.forward + (r.u0 + (static_cast<float>(x) + 0.5f) * du) * face.right +
+            const vec3 d = face.forward +
+                           (r.u0 + (static_cast<float>(x) + 0.5f) * du) * face.right +
                            (r.v0 + (static_cast<float>(y) + 0.5f) * dv) * face.up;
             const float length2 = glm::dot(d, d);
             const float solid_angle = area * du * dv * distance / (length2 * std::sqrt(length2));
@@ -281,8 +333,8 @@ std::vector<FootprintSample> footprint(const Hemisphere& h, int texel) {
     const float cv = glm::dot(face.forward, unit_up) / distance;
     const float su = glm::length(face.right) / distance;
     const float sv = glm::length(face.up) / distance;
-    const float exact = shared::planeSolidAngle(cu + r.u0 * su, cv + r.v0 * sv, cu + r.u1 * su,
-                                                cv + r.v1 * sv);
+    const float exact =
+        shared::planeSolidAngle(cu + r.u0 * su, cv + r.v0 * sv, cu + r.u1 * su, cv + r.v1 * sv);
     for (FootprintSample& s : samples) {
         s.solid_angle *= exact / sum;
     }
