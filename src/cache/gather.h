@@ -17,7 +17,7 @@ struct GatherSeconds {
     double project = 0;  ///< sums, gradients, spherical harmonics
 };
 
-/// Gathers on all workers of a pool at once; a record's result depends on its site alone.
+/// Gathers on all workers of a pool at once; the results do not depend on how many there are.
 class Gatherer {
   public:
     Gatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
@@ -27,8 +27,6 @@ class Gatherer {
     /// One result a site, in order.
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites);
 
-    /// Number of sites that keep every worker busy.
-    int batchSize() const;
     /// Wall-clock time spent so far, as an average over the workers.
     GatherSeconds seconds() const;
 

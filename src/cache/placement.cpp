@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "core/error.h"
 #include "core/progress.h"
@@ -15,10 +14,6 @@ namespace {
 constexpr float kWeightScale = 4096.0f;
 constexpr float kWeightLimit = 64.0f;
 const auto kCovered = static_cast<uint32_t>(shared::MIN_WEIGHT_SUM * kWeightScale);
-// Recent records asked for their radius when guessing that of a new one.
-constexpr size_t kRecentRecords = 96;
-// How far ahead of the scan likely sites are looked for, in pixels.
-constexpr int kLookAhead = 1 << 16;
 
 float luminance(const vec3& c) {
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
@@ -32,14 +27,13 @@ float largestChange(const Record& r) {
 class Placer {
   public:
     Placer(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-           const PlacementParams& params, const GatherFunction& gather, int batch)
+           const PlacementParams& params, const GatherFunction& gather)
         : scene_(scene),
           gbuffer_(gbuffer),
           classes_(classes),
           params_(params),
           weight_(params.weight()),
           gather_(gather),
-          batch_(batch),
           sums_(gbuffer.width, gbuffer.height) {}
 
     Placement run(bool quiet);
@@ -60,11 +54,23 @@ class Placer {
         return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered;
     }
 
+    float leastRadius(float pixel_footprint) const {
+        return params_.min_pixels * pixel_footprint / params_.accuracy;
+    }
+    float greatestRadius(float pixel_footprint) const {
+        return params_.max_pixels * pixel_footprint / params_.accuracy;
+    }
+    // The pixel after i on the grid of every stride-th pixel of every stride-th row.
+    int nextPixel(int i, int stride) const {
+        const int x = i % gbuffer_.width + stride;
+        return x < gbuffer_.width ? i + stride : (i / gbuffer_.width + stride) * gbuffer_.width;
+    }
+
     RecordSite siteAt(int pixel) const;
-    float guessRadius(int pixel) const;
-    void gatherAhead(int pixel);
-    void place(int pixel);
-    float clampedRadius(const GatheredRecord& g, float pixel_footprint) const;
+    float predictedRadius(int pixel) const;
+    std::vector<int> chooseSites(int pixel, int stride) const;
+    void place(const std::vector<int>& pixels);
+    float clampedRadius(const Placed& placed) const;
     void clampNeighbours(size_t added);
     void splat(const Record& record, bool add);
 
@@ -74,10 +80,8 @@ class Placer {
     const PlacementParams& params_;
     const WeightParams weight_;
     const GatherFunction& gather_;
-    const int batch_;
     Image<uint32_t> sums_;
     std::vector<Placed> placed_;
-    std::unordered_map<int, GatheredRecord> ready_;
     Placement result_;
 };
 
@@ -91,73 +95,81 @@ RecordSite Placer::siteAt(int pixel) const {
             .order = order(pixel)};
 }
 
-// The radius of the nearest recent record: neighbours on a surface have similar ones.
-float Placer::guessRadius(int pixel) const {
+// The radius a record at a pixel will most likely have: that of the nearest one placed so far, since
+// neighbours on a surface have similar ones, within the bounds that clampedRadius() keeps.
+float Placer::predictedRadius(int pixel) const {
     const vec3 p = position(pixel);
-    const size_t first = placed_.size() > kRecentRecords ? placed_.size() - kRecentRecords : 0;
-    float best = kInfinity;
-    float radius = footprint(pixel) * params_.min_pixels / params_.accuracy;
-    for (size_t i = first; i < placed_.size(); ++i) {
-        const Record& r = placed_[i].gathered.record;
-        const float distance = glm::length(r.position - p);
-        if (distance < best) {
-            best = distance;
-            radius = std::min(r.radius + distance, params_.max_pixels * footprint(pixel) / params_.accuracy);
+    float nearest = kInfinity;
+    float radius = kInfinity;
+    for (const Placed& placed : placed_) {
+        const Record& r = placed.gathered.record;
+        const vec3 d = r.position - p;
+        const float distance2 = glm::dot(d, d);
+        if (distance2 < nearest) {
+            nearest = distance2;
+            radius = r.radius;
         }
     }
-    return radius;
+    return std::clamp(radius, leastRadius(footprint(pixel)), greatestRadius(footprint(pixel)));
 }
 
-// Gathers at `pixel` and at the sites that the scan will most likely come to next.
-void Placer::gatherAhead(int pixel) {
-    struct Likely {
-        int pixel;
+// The next sites, from `pixel` on: pixels that are missed and that no site chosen before them is
+// predicted to serve.
+std::vector<int> Placer::chooseSites(int pixel, int stride) const {
+    struct Chosen {
         vec3 position, normal;
         float radius;
         int order;
     };
-    std::vector<Likely> likely;
-    const int end = std::min(gbuffer_.width * gbuffer_.height, pixel + kLookAhead);
-    for (int i = pixel; i < end && static_cast<int>(likely.size()) < batch_; ++i) {
+    std::vector<Chosen> chosen;
+    std::vector<int> pixels;
+    const int count = gbuffer_.width * gbuffer_.height;
+    for (int i = pixel; i < count && static_cast<int>(pixels.size()) < params_.batch;
+         i = nextPixel(i, stride)) {
         if (!missed(i)) {
             continue;
         }
         const vec3 p = position(i);
         const vec3 n = normal(i);
-        const bool served = std::any_of(likely.begin(), likely.end(), [&](const Likely& k) {
+        const bool served = std::any_of(chosen.begin(), chosen.end(), [&](const Chosen& k) {
             return serves(k.order, order(i)) &&
                    shared::recordWeight(weight_, k.position, k.normal, k.radius, p, n,
                                         footprint(i)) > shared::MIN_WEIGHT_SUM;
         });
         if (!served) {
-            likely.push_back({i, p, n, guessRadius(i), order(i)});
+            chosen.push_back({p, n, predictedRadius(i), order(i)});
+            pixels.push_back(i);
         }
     }
+    return pixels;
+}
+
+// Gathers at pixels, all at once, and places the records in order.
+void Placer::place(const std::vector<int>& pixels) {
     std::vector<RecordSite> sites;
-    std::vector<int> pixels;
-    for (const Likely& k : likely) {
-        if (!ready_.contains(k.pixel)) {
-            sites.push_back(siteAt(k.pixel));
-            pixels.push_back(k.pixel);
-        }
+    for (int pixel : pixels) {
+        sites.push_back(siteAt(pixel));
     }
     std::vector<GatheredRecord> gathered = gather_(sites);
     SHEEN_CHECK_EQ(gathered.size(), sites.size());
-    result_.gathered += static_cast<int>(sites.size());
-    for (size_t i = 0; i < sites.size(); ++i) {
-        ready_.emplace(pixels[i], std::move(gathered[i]));
+    for (size_t i = 0; i < pixels.size(); ++i) {
+        placed_.push_back({std::move(gathered[i]), footprint(pixels[i])});
+        Record& record = placed_.back().gathered.record;
+        record.radius = clampedRadius(placed_.back());
+        clampNeighbours(placed_.size() - 1);
+        splat(record, true);
     }
 }
 
 // Harmonic mean distance, limited by the relative change of irradiance, then in footprints.
-float Placer::clampedRadius(const GatheredRecord& g, float pixel_footprint) const {
-    float radius = g.record.radius;
-    const float change = largestChange(g.record);
+float Placer::clampedRadius(const Placed& placed) const {
+    const Record& r = placed.gathered.record;
+    float radius = r.radius;
+    const float change = largestChange(r);
     if (change > 0.0f) {
-        radius = std::min(radius, luminance(g.record.irradiance) / change);
+        radius = std::min(radius, luminance(r.irradiance) / change);
     }
-    return std::clamp(radius, params_.min_pixels * pixel_footprint / params_.accuracy,
-                      params_.max_pixels * pixel_footprint / params_.accuracy);
+    return std::clamp(radius, leastRadius(placed.footprint), greatestRadius(placed.footprint));
 }
 
 // A feature that one record sees cannot be far from its neighbours: R_i <= R_j + |p_i - p_j|, for
@@ -170,15 +182,12 @@ void Placer::clampNeighbours(size_t added) {
             fresh.radius =
                 std::min(fresh.radius, other.radius + glm::length(fresh.position - other.position));
         }
-        const auto least = [&](const Placed& p) {
-            return params_.min_pixels * p.footprint / params_.accuracy;
-        };
-        fresh.radius = std::max(fresh.radius, least(placed_[added]));
+        fresh.radius = std::max(fresh.radius, leastRadius(placed_[added].footprint));
         for (size_t j = 0; j < added; ++j) {
             Record& other = placed_[j].gathered.record;
             const float limit =
                 std::max(fresh.radius + glm::length(fresh.position - other.position),
-                         least(placed_[j]));
+                         leastRadius(placed_[j].footprint));
             if (limit < other.radius) {
                 splat(other, false);
                 other.radius = limit;
@@ -206,33 +215,20 @@ void Placer::splat(const Record& record, bool add) {
     }
 }
 
-void Placer::place(int pixel) {
-    if (!ready_.contains(pixel)) {
-        gatherAhead(pixel);
-    }
-    auto node = ready_.extract(pixel);
-    placed_.push_back({std::move(node.mapped()), footprint(pixel)});
-    GatheredRecord& g = placed_.back().gathered;
-    g.record.radius = clampedRadius(g, placed_.back().footprint);
-    clampNeighbours(placed_.size() - 1);
-    splat(g.record, true);
-}
-
 Placement Placer::run(bool quiet) {
     const int count = gbuffer_.width * gbuffer_.height;
-    Progress progress("placing records", count, quiet);
-    // Clamping a neighbour may uncover pixels behind the scan: scan again until nothing is missed.
-    // Every record keeps serving its own pixel, so this ends.
-    bool placed_any = true;
-    for (int pass = 0; placed_any; ++pass) {
-        placed_any = false;
-        for (int i = 0; i < count; ++i) {
-            if (missed(i)) {
-                place(i);
-                placed_any = true;
-            }
-            if (pass == 0 && i % gbuffer_.width == 0) {
-                progress.advance(gbuffer_.width);
+    // Clamping a neighbour may uncover pixels behind the scan, so the last grid, all pixels, is
+    // scanned until nothing is missed. Every record keeps serving its own pixel, so this ends.
+    for (int stride = params_.coarsest_stride; stride >= 1; stride /= 2) {
+        Progress progress(fmt::format("placing records, every {} pixels", stride), count, quiet);
+        bool placed_any = true;
+        while (placed_any) {
+            placed_any = false;
+            for (int i = 0; i < count; i = nextPixel(i, stride)) {
+                if (missed(i)) {
+                    place(chooseSites(i, stride));
+                    placed_any = stride == 1;
+                }
             }
         }
     }
@@ -280,9 +276,8 @@ Placement Placer::run(bool quiet) {
 }  // namespace
 
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                       const PlacementParams& params, const GatherFunction& gather, int batch,
-                       bool quiet) {
-    return Placer(scene, gbuffer, classes, params, gather, batch).run(quiet);
+                       const PlacementParams& params, const GatherFunction& gather, bool quiet) {
+    return Placer(scene, gbuffer, classes, params, gather).run(quiet);
 }
 
 PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius) {

@@ -19,6 +19,8 @@ struct PlacementParams {
     float min_pixels = 3.0f;       ///< least reach a R, in footprints of the record's pixel
     float max_pixels = 40.0f;      ///< greatest reach
     bool neighbour_clamping = true;
+    int batch = 64;                ///< sites chosen and gathered at once
+    int coarsest_stride = 16;      ///< of the grids that are scanned: a power of two
     float gradient_limit = 0.5f;   ///< greatest extrapolated change relative to the value
 
     WeightParams weight() const {
@@ -31,16 +33,16 @@ using GatherFunction = std::function<std::vector<GatheredRecord>(std::span<const
 
 struct Placement {
     RecordCache cache;
-    int uncovered = 0;    ///< pixels with geometry that no record serves; always 0 by construction
-    int gathered = 0;     ///< sites gathered, including those that turned out not to be needed
+    int uncovered = 0;  ///< pixels with geometry that no record serves; always 0 by construction
 };
 
-/// Scans the image row by row and gathers a record at every pixel that is not served yet, until all
-/// are. Ahead of the scan, likely sites are gathered `batch` at a time, so that the gather can run
-/// in parallel; what is placed is exactly what the one-by-one scan places, whatever the batch.
+/// Scans the image and gathers records where pixels are not served yet, until all are: first on a
+/// coarse grid, then on finer ones, row by row. Sites are chosen `batch` at a time, by predicted
+/// radii, and gathered together, so that the gather can run in parallel; the batch is part of the
+/// parameters and not of the machine, so the records never depend on the number of threads.
+/// A batch of 1 and a stride of 1 is the chapter's linear scan, [GKB09, algorithm 5].
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                       const PlacementParams& params, const GatherFunction& gather, int batch,
-                       bool quiet);
+                       const PlacementParams& params, const GatherFunction& gather, bool quiet);
 
 /// Rectangle of pixels [x0, x1) x [y0, y1) that bounds a sphere in the image, conservatively; the
 /// whole image when the sphere comes near the camera; empty when it lies behind.

@@ -44,10 +44,12 @@ void initialise() {
 
 class OsmesaContext : public Context {
   public:
-    explicit OsmesaContext(OSMesaContext share) {
-        // Parallelism comes from one context a worker thread: rasteriser threads of Mesa's own
-        // would only compete with them, and a 64 x 64 target is a single tile anyway.
-        setenv("LP_NUM_THREADS", "0", 1);
+    OsmesaContext(OSMesaContext share, int threads) {
+        // Mesa reads this when the process makes its first context. One lock of the rasteriser
+        // lets only one context shade at a time, so shading gets its parallelism from the
+        // rasteriser's own threads (by tiles of 64 x 64 pixels), and everything before and after
+        // it from several contexts.
+        setenv("LP_NUM_THREADS", std::to_string(threads > 1 ? threads : 0).c_str(), 1);
         const int attributes[] = {OSMESA_FORMAT,
                                   OSMESA_RGBA,
                                   OSMESA_PROFILE,
@@ -171,11 +173,11 @@ Backend backendFromEnvironment() {
     throwEnvironment("SHEEN_GL={}: no such OpenGL backend; use osmesa or egl", name);
 }
 
-std::unique_ptr<Context> makeContext(Backend backend, Context* share) {
+std::unique_ptr<Context> makeContext(Backend backend, Context* share, int threads) {
     std::unique_ptr<Context> context;
     if (backend == Backend::kOsmesa) {
         auto* other = dynamic_cast<OsmesaContext*>(share);
-        context = std::make_unique<OsmesaContext>(other != nullptr ? other->handle() : nullptr);
+        context = std::make_unique<OsmesaContext>(other != nullptr ? other->handle() : nullptr, threads);
         context->makeCurrent();
         loadFunctions(osmesaAddress);
     } else {

@@ -14,7 +14,7 @@ WorkerPool::WorkerPool(int workers) {
         workers = 1;
     }
     for (int i = 0; i < workers; ++i) {
-        contexts_.push_back(makeContext(backend, i > 0 ? contexts_[0].get() : nullptr));
+        contexts_.push_back(makeContext(backend, i > 0 ? contexts_[0].get() : nullptr, workers));
         if (i == 0) {
             renderer_ = rendererName();
         }
@@ -87,13 +87,6 @@ void WorkerPool::runOnFirst(const std::function<void()>& job) {
             job();
         }
     });
-}
-
-Strip stripOf(int worker, int workers, int height) {
-    constexpr int kTile = 64;
-    const int tiles = (height + kTile - 1) / kTile;
-    return {.first = std::min(height, tiles * worker / workers * kTile),
-            .last = std::min(height, tiles * (worker + 1) / workers * kTile)};
 }
 
 }  // namespace sheen::gl

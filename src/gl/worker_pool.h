@@ -1,6 +1,6 @@
-// Threads that own one OpenGL context each. With the software rasteriser this is where parallelism
-// comes from: contexts share buffers and textures, while programs, vertex arrays and framebuffers
-// belong to one worker. All OpenGL of the project runs inside run().
+// Threads that own one OpenGL context each: while one context rasterises, the others transform
+// vertices and read back. Contexts share buffers and textures, while programs, vertex arrays and
+// framebuffers belong to one worker. All OpenGL of the project runs inside run().
 #pragma once
 
 #include <condition_variable>
@@ -48,13 +48,5 @@ class WorkerPool {
     int running_ = 0;
     bool stopping_ = false;
 };
-
-/// Rows [first, last) of an image of `height` rows that worker `worker` of `workers` draws.
-/// Strips start at multiples of 64 rows, the rasteriser's tile.
-struct Strip {
-    int first = 0;
-    int last = 0;
-};
-Strip stripOf(int worker, int workers, int height);
 
 }  // namespace sheen::gl

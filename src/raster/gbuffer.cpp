@@ -26,28 +26,15 @@ GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& 
     for (Image<vec4>* target : targets) {
         *target = Image<vec4>(width, height);
     }
-    pool.run([&](int worker) {
-        // Each worker draws its own strip of rows into targets of its own.
-        const Strip strip = stripOf(worker, pool.size(), height);
-        const int rows = strip.last - strip.first;
-        if (rows == 0) {
-            return;
-        }
-        // A strip is the image's view seen through a window: shift and scale v.
-        View view = result.view;
-        const float h = static_cast<float>(height);
-        const float v0 = 2.0f * static_cast<float>(strip.first) / h - 1.0f;
-        const float v1 = 2.0f * static_cast<float>(strip.last) / h - 1.0f;
-        view = perspectiveView(view.origin, view.right, view.up * (0.5f * (v1 - v0)),
-                               view.forward + view.up * (0.5f * (v0 + v1)), view.near);
-
-        const gl::Texture visibility = makeTexture2d(GL_R32UI, width, rows);
-        const gl::Texture depth = makeTexture2d(GL_DEPTH_COMPONENT32F, width, rows);
+    pool.runOnFirst([&] {
+        const View& view = result.view;
+        const gl::Texture visibility = makeTexture2d(GL_R32UI, width, height);
+        const gl::Texture depth = makeTexture2d(GL_DEPTH_COMPONENT32F, width, height);
         const GLuint visibility_name = visibility.name();
         const Framebuffer first = makeFramebuffer({&visibility_name, 1}, depth.name());
         ClusterDrawer drawer(gpu, "raster/visibility.frag");
         drawer.setViews({&view, 1});
-        glViewport(0, 0, width, rows);
+        glViewport(0, 0, width, height);
         glBindFramebuffer(GL_FRAMEBUFFER, first.name());
         const GLuint none[4] = {0, 0, 0, 0};
         const float far_depth = 0.0f;
@@ -60,7 +47,7 @@ GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& 
         gl::Texture colors[kTargets];
         GLuint names[kTargets];
         for (int i = 0; i < kTargets; ++i) {
-            colors[i] = makeTexture2d(GL_RGBA32F, width, rows);
+            colors[i] = makeTexture2d(GL_RGBA32F, width, height);
             names[i] = colors[i].name();
         }
         const Framebuffer second = makeFramebuffer(names, 0);
@@ -68,7 +55,7 @@ GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& 
         const VertexArray empty = makeVertexArray();
         glBindFramebuffer(GL_FRAMEBUFFER, second.name());
         bindShading(gpu, program);
-        program.set("image_size", vec2(width, rows));
+        program.set("image_size", vec2(width, height));
         glBindTextureUnit(1, visibility.name());
         const Buffer views = makeBuffer(std::span<const View>(&view, 1));
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, views.name());
@@ -77,7 +64,7 @@ GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& 
         for (int i = 0; i < kTargets; ++i) {
             glNamedFramebufferReadBuffer(second.name(),
                                          GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
-            glReadPixels(0, 0, width, rows, GL_RGBA, GL_FLOAT, &targets[i]->at(0, strip.first));
+            glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, targets[i]->pixels.data());
         }
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
     });

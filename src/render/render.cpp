@@ -83,7 +83,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
         placement = placeRecords(
             scene, gbuffer, classes, params.placement,
             [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); },
-            gatherer.batchSize(), params.quiet);
+            params.quiet);
         seconds.gather = gatherer.seconds().raster;
         seconds.project = gatherer.seconds().project;
     }

@@ -6,11 +6,10 @@ namespace {
 
 // How a pass draws: which pixels, and which records may serve them.
 void drawPass(const gl::Program& program, const GBuffer& gbuffer, const WeightParams& weight,
-              const gl::Strip& strip, int records) {
+              int records) {
     using namespace gl;
     program.use();
-    program.set("image_size", vec2(gbuffer.width, strip.last - strip.first));
-    program.set("first_row", strip.first);
+    program.set("image_size", vec2(gbuffer.width, gbuffer.height));
     program.set("pixel_angle", gbuffer.pixel_angle);
     program.set("accuracy", weight.accuracy);
     program.set("normal_weight", weight.normal_weight);
@@ -39,37 +38,31 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         rects.emplace_back(b.x0, b.y0, b.x1, b.y1);
     }
     const auto records = static_cast<int>(cache.records.size());
-    // Shared by all workers.
-    Buffer record_buffer, rect_buffer, sh_buffer, lobe_buffer;
     pool.runOnFirst([&] {
-        record_buffer = makeBuffer(std::span<const Record>(cache.records));
-        rect_buffer = makeBuffer(std::span<const glm::ivec4>(rects));
-        sh_buffer = makeBuffer(std::span<const float>(cache.sh));
-        lobe_buffer = makeBuffer(std::span<const float>(lobes.coefficients));
-    });
-    pool.run([&](int worker) {
-        const Strip strip = stripOf(worker, pool.size(), height);
-        const int rows = strip.last - strip.first;
-        if (rows == 0 || records == 0) {
+        if (records == 0) {
             return;
         }
+        const Buffer record_buffer = makeBuffer(std::span<const Record>(cache.records));
+        const Buffer rect_buffer = makeBuffer(std::span<const glm::ivec4>(rects));
+        const Buffer sh_buffer = makeBuffer(std::span<const float>(cache.sh));
+        const Buffer lobe_buffer = makeBuffer(std::span<const float>(lobes.coefficients));
         const auto upload = [&](GLenum internal, GLenum format, GLenum type, const void* data) {
-            gl::Texture texture = makeTexture2d(internal, width, rows);
-            glTextureSubImage2D(texture.name(), 0, 0, 0, width, rows, format, type, data);
+            gl::Texture texture = makeTexture2d(internal, width, height);
+            glTextureSubImage2D(texture.name(), 0, 0, 0, width, height, format, type, data);
             return texture;
         };
         const gl::Texture positions =
-            upload(GL_RGBA32F, GL_RGBA, GL_FLOAT, &gbuffer.position.at(0, strip.first));
-        const gl::Texture normal = upload(GL_RGBA32F, GL_RGBA, GL_FLOAT, &normals.at(0, strip.first));
+            upload(GL_RGBA32F, GL_RGBA, GL_FLOAT, gbuffer.position.pixels.data());
+        const gl::Texture normal = upload(GL_RGBA32F, GL_RGBA, GL_FLOAT, normals.pixels.data());
         const gl::Texture first =
-            upload(GL_R32I, GL_RED_INTEGER, GL_INT, &lobes.first.at(0, strip.first));
-        const gl::Texture irradiance = makeTexture2d(GL_RGBA32F, width, rows);
-        const gl::Texture specular = makeTexture2d(GL_RGBA32F, width, rows);
+            upload(GL_R32I, GL_RED_INTEGER, GL_INT, lobes.first.pixels.data());
+        const gl::Texture irradiance = makeTexture2d(GL_RGBA32F, width, height);
+        const gl::Texture specular = makeTexture2d(GL_RGBA32F, width, height);
         const GLuint targets[] = {irradiance.name(), specular.name()};
         const Framebuffer framebuffer = makeFramebuffer(targets, 0);
         const VertexArray empty = makeVertexArray();
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-        glViewport(0, 0, width, rows);
+        glViewport(0, 0, width, height);
         const float zero[4] = {};
         glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, 0, zero);
         glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, 1, zero);
@@ -84,27 +77,21 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         glBindTextureUnit(1, normal.name());
         glBindTextureUnit(2, first.name());
         const Program diffuse("splat/splat.vert", "splat/splat.frag", {"GLOSSY 0"});
-        drawPass(diffuse, gbuffer, weight, strip, records);
+        drawPass(diffuse, gbuffer, weight, records);
         Program glossy;
         if (any_glossy) {
             glossy = Program("splat/splat.vert", "splat/splat.frag",
                              {"GLOSSY 1", fmt::format("SH_GRADIENT_ORDER {}", kShGradientOrder)});
-            drawPass(glossy, gbuffer, weight, strip, records);
+            drawPass(glossy, gbuffer, weight, records);
         }
         glDisable(GL_BLEND);
         Image<vec4>* images[] = {&result.irradiance, &result.specular};
         for (int i = 0; i < 2; ++i) {
             glNamedFramebufferReadBuffer(framebuffer.name(),
                                          GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
-            glReadPixels(0, 0, width, rows, GL_RGBA, GL_FLOAT, &images[i]->at(0, strip.first));
+            glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, images[i]->pixels.data());
         }
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    });
-    pool.runOnFirst([&] {
-        record_buffer = {};
-        rect_buffer = {};
-        sh_buffer = {};
-        lobe_buffer = {};
     });
     return result;
 }
