@@ -1,0 +1,323 @@
+// Placement with made-up gathers on a G-buffer made by hand: a floor that recedes to the horizon.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "cache/placement.h"
+#include "image/frame.h"
+#include "test_scenes.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kWidth = 72, kHeight = 48;
+
+struct Stage {
+    Scene scene;
+    GBuffer gbuffer;
+    PixelClasses classes;
+};
+
+// The floor y = 0 up to a wall at z = -3, the sky above it; `order_left` and `order_right` are the
+// classes of the two halves of the image.
+Stage makeStage(int order_left, int order_right, float scale = 1.0f) {
+    Stage stage;
+    addQuad(stage.scene, vec3(-9, 0, 9), vec3(18, 0, 0), vec3(0, 0, -12),
+            addMaterial(stage.scene, diffuseParams(vec3(0.5f))));
+    stage.scene = scaled(stage.scene, scale);
+    const Camera camera = lookAt(scale * vec3(0, 1, 2), scale * vec3(0, 0.3f, 0));
+    GBuffer& g = stage.gbuffer;
+    g.width = kWidth;
+    g.height = kHeight;
+    g.view = cameraView(camera, kWidth, kHeight, nearDistance(stage.scene));
+    g.pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / kHeight;
+    g.position = g.normal = g.diffuse = g.f0 = Image<vec4>(kWidth, kHeight);
+    g.primitive = Image<uint32_t>(kWidth, kHeight, kNoPrimitive);
+    stage.classes.orders = Image<int>(kWidth, kHeight, kNoOrder);
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const CameraRay ray =
+                cameraRay(camera, kWidth, kHeight, static_cast<float>(x), static_cast<float>(y));
+            const float t = -ray.origin.y / ray.direction.y;
+            const vec3 p = ray.origin + t * ray.direction;
+            if (t <= 0.0f || p.z < -3.0f * scale) {
+                continue;
+            }
+            g.position.at(x, y) = vec4(p, glm::dot(g.view.dual_forward, p - ray.origin));
+            g.normal.at(x, y) = vec4(0, 1, 0, 1);
+            g.primitive.at(x, y) = 0;
+            stage.classes.orders.at(x, y) = x < kWidth / 2 ? order_left : order_right;
+            ++stage.classes.geometry;
+        }
+    }
+    return stage;
+}
+
+// A gather that says the same of every site but its place: `change` alters it.
+using Change = std::function<void(const RecordSite&, GatheredRecord&)>;
+
+GatherFunction makeGather(const Change& change) {
+    return [change](std::span<const RecordSite> sites) {
+        std::vector<GatheredRecord> results;
+        for (const RecordSite& site : sites) {
+            GatheredRecord g;
+            g.record.position = site.position;
+            g.record.normal = site.normal;
+            g.record.tangent = tangentFrame(site.normal)[0];
+            g.record.order = site.order;
+            g.record.irradiance = vec3(1.0f, 2.0f, 3.0f);
+            g.record.radius = 1.0f;
+            if (site.order > 0) {
+                g.sh.assign(static_cast<size_t>(shLayout(site.order).size()), 0.5f);
+            }
+            change(site, g);
+            results.push_back(std::move(g));
+        }
+        return results;
+    };
+}
+
+const Change kNoChange = [](const RecordSite&, GatheredRecord&) {};
+
+Placement place(const Stage& stage, const PlacementParams& params,
+                const Change& change = kNoChange) {
+    return placeRecords(stage.scene, stage.gbuffer, stage.classes, params, makeGather(change),
+                        true);
+}
+
+// What the pixels' weights sum to, against the limit that placement keeps in fixed point.
+void expectCovered(const Stage& stage, const PlacementParams& params, const Placement& placement) {
+    EXPECT_EQ(placement.uncovered, 0);
+    const WeightParams weight = params.weight();
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+        const auto pixel = static_cast<size_t>(i);
+        const vec4 p = stage.gbuffer.position.pixels[pixel];
+        double sum = 0.0;
+        for (const Record& r : placement.cache.records) {
+            if (serves(r.order, stage.classes.orders.pixels[pixel])) {
+                sum += shared::recordWeight(weight, r.position, r.normal, r.radius, vec3(p),
+                                            vec3(stage.gbuffer.normal.pixels[pixel]),
+                                            p.w * stage.gbuffer.pixel_angle);
+            }
+        }
+        if (stage.gbuffer.seen(i)) {
+            // Each record's share is rounded to 1/4096.
+            ASSERT_GT(sum, shared::MIN_WEIGHT_SUM - 0.005) << "pixel " << i;
+        }
+    }
+}
+
+void expectSame(const Placement& a, const Placement& b) {
+    ASSERT_EQ(a.cache.records.size(), b.cache.records.size());
+    EXPECT_EQ(std::memcmp(a.cache.records.data(), b.cache.records.data(),
+                          a.cache.records.size() * sizeof(Record)),
+              0);
+    EXPECT_EQ(a.cache.sh, b.cache.sh);
+}
+
+TEST(Placement, CoversEveryPixelForAnyBatchAndStride) {
+    const Stage stage = makeStage(0, 0);
+    for (int batch : {1, 8, 64, 100000}) {
+        for (int stride : {1, 4, 16, 1024}) {
+            PlacementParams params;
+            params.batch = batch;
+            params.coarsest_stride = stride;
+            const Placement placement = place(stage, params);
+            SCOPED_TRACE("batch " + std::to_string(batch) + " stride " + std::to_string(stride));
+            expectCovered(stage, params, placement);
+            EXPECT_GT(placement.cache.records.size(), 0u);
+            EXPECT_LT(placement.cache.records.size(),
+                      static_cast<size_t>(stage.classes.geometry / 4));
+        }
+    }
+}
+
+TEST(Placement, TheSameBitsEveryTime) {
+    const Stage stage = makeStage(0, 4);
+    const Change wavy = [](const RecordSite& site, GatheredRecord& g) {
+        g.record.radius = 0.5f + 0.4f * std::sin(5.0f * site.position.x);
+    };
+    expectSame(place(stage, {}, wavy), place(stage, {}, wavy));
+}
+
+TEST(Placement, ManyBatchesNeedNotManyMoreRecordsThanTheScan) {
+    const Stage stage = makeStage(0, 0);
+    PlacementParams linear;
+    linear.batch = 1;
+    linear.coarsest_stride = 1;
+    const size_t scan = place(stage, linear).cache.records.size();
+    // Predictions are wrong where nothing is placed yet, and coarse grids spread records evenly.
+    EXPECT_LT(place(stage, {}).cache.records.size(), 3 * scan);
+}
+
+TEST(Placement, NothingSeenNothingPlaced) {
+    Stage stage = makeStage(0, 0);
+    stage.gbuffer.position = Image<vec4>(kWidth, kHeight);
+    stage.classes.orders = Image<int>(kWidth, kHeight, kNoOrder);
+    const Placement placement = place(stage, {});
+    EXPECT_TRUE(placement.cache.records.empty());
+    EXPECT_EQ(placement.uncovered, 0);
+    Stage empty;
+    EXPECT_TRUE(place(empty, {}).cache.records.empty());
+}
+
+TEST(Placement, GlossyPixelsAreServedByRecordsOfTheirClass) {
+    for (const auto& [left, right] : {std::pair(0, 4), std::pair(6, 3), std::pair(10, 0)}) {
+        const Stage stage = makeStage(left, right);
+        const PlacementParams params;
+        const Placement placement = place(stage, params);
+        expectCovered(stage, params, placement);
+        size_t expected_sh = 0;
+        for (const Record& r : placement.cache.records) {
+            if (r.order > 0) {
+                EXPECT_EQ(static_cast<size_t>(r.sh_first), expected_sh);
+                expected_sh += static_cast<size_t>(shLayout(r.order).size());
+            }
+        }
+        EXPECT_EQ(placement.cache.sh.size(), expected_sh);
+    }
+}
+
+TEST(Placement, HostileRadiiAreClamped) {
+    const Stage stage = makeStage(0, 3);
+    const PlacementParams params;
+    const float values[] = {0.0f, 1e-30f, 1e30f, kInfinity};
+    for (float radius : values) {
+        const Placement placement = place(
+            stage, params, [=](const RecordSite&, GatheredRecord& g) { g.record.radius = radius; });
+        expectCovered(stage, params, placement);
+        for (const Record& r : placement.cache.records) {
+            ASSERT_TRUE(std::isfinite(r.radius));
+            const vec3 d = r.position - stage.gbuffer.view.origin;
+            const float footprint =
+                glm::dot(stage.gbuffer.view.dual_forward, d) * stage.gbuffer.pixel_angle;
+            EXPECT_GE(params.accuracy * r.radius, 0.999f * params.min_pixels * footprint);
+            EXPECT_LE(params.accuracy * r.radius, 1.001f * params.max_pixels * footprint);
+        }
+    }
+}
+
+TEST(Placement, GradientsAreBoundedByTheValue) {
+    const Stage stage = makeStage(0, 4);
+    const PlacementParams params;
+    for (float steepness : {0.1f, 10.0f, 1e6f}) {
+        const Placement placement =
+            place(stage, params, [=](const RecordSite& site, GatheredRecord& g) {
+                g.record.translation_r = vec3(steepness, 0, 0);
+                g.record.translation_g = vec3(0, 0, -steepness);
+                g.record.irradiance.z = 0.0f;
+                g.record.translation_b = vec3(steepness, 0, steepness);
+                if (site.order > 0) {
+                    const ShLayout layout = shLayout(site.order);
+                    for (size_t k = static_cast<size_t>(layout.gradientFirst(0)); k < g.sh.size();
+                         ++k) {
+                        g.sh[k] = steepness;
+                    }
+                }
+            });
+        expectCovered(stage, params, placement);
+        for (const Record& r : placement.cache.records) {
+            const float reach = params.accuracy * r.radius;
+            const vec3 gradients[] = {r.translation_r, r.translation_g, r.translation_b};
+            const ShLayout layout = shLayout(r.order);
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_LE(glm::length(gradients[c]) * reach,
+                          params.gradient_limit * r.irradiance[c] * 1.0001f);
+                if (r.order == 0) {
+                    continue;
+                }
+                const float* sh = &placement.cache.sh[static_cast<size_t>(r.sh_first)];
+                const float value = sh[c * layout.coefficients()];
+                float change[2];
+                for (int axis = 0; axis < 2; ++axis) {
+                    change[axis] =
+                        sh[layout.gradientFirst(axis) + c * layout.gradientCoefficients()];
+                }
+                EXPECT_LE(std::hypot(change[0], change[1]) * reach,
+                          params.gradient_limit * value * 1.0001f);
+            }
+        }
+    }
+}
+
+TEST(Placement, NoLightIsNoTrouble) {
+    const Stage stage = makeStage(0, 4);
+    const PlacementParams params;
+    const Placement placement = place(stage, params, [](const RecordSite&, GatheredRecord& g) {
+        g.record.irradiance = vec3(0.0f);
+        std::fill(g.sh.begin(), g.sh.end(), 0.0f);
+    });
+    expectCovered(stage, params, placement);
+    for (const Record& r : placement.cache.records) {
+        ASSERT_TRUE(std::isfinite(r.radius));
+        ASSERT_EQ(glm::length(r.translation_r), 0.0f);
+    }
+    for (float c : placement.cache.sh) {
+        ASSERT_EQ(c, 0.0f);
+    }
+}
+
+TEST(Placement, NeighboursAreClampedUnlessAtTheirLeast) {
+    const Stage stage = makeStage(0, 0);
+    PlacementParams params;
+    params.max_pixels = 1e6f;
+    const Placement placement = place(stage, params, [](const RecordSite& site, GatheredRecord& g) {
+        // A near feature that few sites see.
+        g.record.radius = std::abs(site.position.x) < 0.1f ? 0.3f : 20.0f;
+    });
+    expectCovered(stage, params, placement);
+    const std::vector<Record>& records = placement.cache.records;
+    for (const Record& a : records) {
+        const float footprint =
+            glm::dot(stage.gbuffer.view.dual_forward, a.position - stage.gbuffer.view.origin) *
+            stage.gbuffer.pixel_angle;
+        const float least = params.min_pixels * footprint / params.accuracy;
+        for (const Record& b : records) {
+            const float limit = b.radius + glm::length(a.position - b.position);
+            EXPECT_TRUE(a.radius <= limit * 1.0001f || a.radius <= least * 1.001f)
+                << a.radius << " limit " << limit << " least " << least;
+        }
+    }
+    params.neighbour_clamping = false;
+    const Placement free =
+        place(stage, params, [](const RecordSite&, GatheredRecord& g) { g.record.radius = 20.0f; });
+    for (const Record& r : free.cache.records) {
+        EXPECT_EQ(r.radius, 20.0f);
+    }
+}
+
+TEST(Placement, ScalingTheSceneChangesNoRecord) {
+    const Stage one = makeStage(0, 0);
+    for (float s : {0.001f, 1000.0f}) {
+        const Stage other = makeStage(0, 0, s);
+        const Placement a = place(one, {});
+        const Placement b =
+            place(other, {}, [=](const RecordSite&, GatheredRecord& g) { g.record.radius = s; });
+        // Rounding may move a pixel across the limit: a few records may differ.
+        const auto n = static_cast<double>(a.cache.records.size());
+        EXPECT_NEAR(static_cast<double>(b.cache.records.size()), n, 0.05 * n + 2.0);
+        EXPECT_NEAR(b.cache.records[0].radius, s * a.cache.records[0].radius,
+                    1e-3f * s * a.cache.records[0].radius);
+    }
+}
+
+TEST(Placement, SitesFaceTheViewer) {
+    // The floor's quad faces up; seen from below its geometric normal must be turned.
+    const Stage stage = makeStage(0, 0);
+    place(stage, {}, [](const RecordSite& site, GatheredRecord&) {
+        EXPECT_NEAR(site.geometric_normal.y, 1.0f, 1e-5f);
+        EXPECT_NEAR(site.normal.y, 1.0f, 1e-5f);
+    });
+}
+
+TEST(Placement, RefusesAGatherThatLosesSites) {
+    const Stage stage = makeStage(0, 0);
+    const GatherFunction none = [](std::span<const RecordSite>) {
+        return std::vector<GatheredRecord>();
+    };
+    EXPECT_THROW(placeRecords(stage.scene, stage.gbuffer, stage.classes, {}, none, true),
+                 std::logic_error);
+}
+
+}  // namespace
+}  // namespace sheen

@@ -1,0 +1,2 @@
+sheen_test(cache SOURCES cache_test.cpp cache_test_integrate.cpp cache_test_placement.cpp
+           USES sheen_cache)
