@@ -57,8 +57,8 @@ FN int wrapTexel(int i, int size, int wrap) {
         return clamp(i, 0, size - 1);
     }
     int period = wrap == WRAP_MIRROR ? 2 * size : size;
-    int j = i % period;
-    j = j < 0 ? j + period : j;
+    // In GLSL % of a negative number is undefined.
+    int j = i < 0 ? period - 1 - (-1 - i) % period : i % period;
     return j < size ? j : period - 1 - j;
 }
 
