@@ -1,0 +1,3 @@
+#include "test/no_such_file.glsl"
+void main() {
+}
