@@ -15,9 +15,9 @@ constexpr int kNoOrder = -1;
 constexpr float kDiffuseBudget = 0.005f;
 /// A material gets the smallest order whose truncated bands are predicted to change its pixels by
 /// less than this share.
-constexpr float kTruncationBudget = 0.01f;
+constexpr float kTruncationBudget = 0.025f;
 /// A pixel is too glossy for the cache where even the highest order misses that by this much.
-constexpr float kTooGlossy = 0.05f;
+constexpr float kTooGlossy = 0.1f;
 
 struct PixelClasses {
     Image<int> orders;                 ///< per pixel: kNoOrder, shared::DIFFUSE_ORDER or bands

@@ -19,13 +19,13 @@ static_assert(sizeof(kTable) == sizeof(float) * kStride * kBrdfShMu * kBrdfShRou
 // Typical amplitude of indirect light's coefficients in band l, relative to what constant light has
 // in band 0: measured on records of the project's scenes (docs/decisions.md).
 float lightAmplitude(int l) {
-    return 0.5f / static_cast<float>((l + 1) * (l + 1));
+    return std::pow(static_cast<float>(l + 1), -1.3f);
 }
 
 }  // namespace
 
 BrdfShSample brdfSh(float NoV, float roughness) {
-    const float fx = std::sqrt(std::clamp(NoV, 0.0f, 1.0f)) * (kBrdfShMu - 1);
+    const float fx = std::acos(std::clamp(NoV, 0.0f, 1.0f)) * (2.0f / kPi) * (kBrdfShMu - 1);
     const float fy = std::clamp(roughness, 0.0f, 1.0f) * (kBrdfShRoughness - 1);
     const int x = std::min(static_cast<int>(fx), kBrdfShMu - 2);
     const int y = std::min(static_cast<int>(fy), kBrdfShRoughness - 2);
