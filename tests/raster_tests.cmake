@@ -1,0 +1,1 @@
+sheen_test(raster SOURCES raster_test.cpp raster_test_light.cpp USES sheen_raster sheen_reference)
