@@ -15,6 +15,11 @@ constexpr float kWeightScale = 4096.0f;
 constexpr float kWeightLimit = 64.0f;
 const auto kCovered = static_cast<uint32_t>(shared::MIN_WEIGHT_SUM * kWeightScale);
 
+// Records whose normals differ more are not compared.
+constexpr float kSameSurfaceCosine = 0.95f;
+// Relative difference of neighbours that the gathers' own resolution explains.
+constexpr float kGatherNoise = 0.01f;
+
 float luminance(const vec3& c) {
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
@@ -27,10 +32,11 @@ float largestChange(const Record& r) {
 class Placer {
   public:
     Placer(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-           const PlacementParams& params, const GatherFunction& gather)
+           const PixelLobes& lobes, const PlacementParams& params, const GatherFunction& gather)
         : scene_(scene),
           gbuffer_(gbuffer),
           classes_(classes),
+          lobes_(lobes),
           params_(params),
           weight_(params.weight()),
           gather_(gather),
@@ -41,7 +47,9 @@ class Placer {
   private:
     struct Placed {
         GatheredRecord gathered;
+        int pixel = 0;
         float footprint = 0;
+        float outgoing = 0;  // luminance toward the camera at its own pixel
     };
 
     vec3 position(int i) const { return vec3(gbuffer_.position.pixels[static_cast<size_t>(i)]); }
@@ -71,12 +79,16 @@ class Placer {
     std::vector<int> chooseSites(int pixel, int stride) const;
     void place(const std::vector<int>& pixels);
     float clampedRadius(const Placed& placed) const;
+    float predictedOutgoing(const GatheredRecord& g, int pixel) const;
+    void heedNeighbours(size_t added);
+    void limitRadius(Placed& placed, float radius);
     void clampNeighbours(size_t added);
     void splat(const Record& record, bool add);
 
     const Scene& scene_;
     const GBuffer& gbuffer_;
     const PixelClasses& classes_;
+    const PixelLobes& lobes_;
     const PlacementParams& params_;
     const WeightParams weight_;
     const GatherFunction& gather_;
@@ -153,9 +165,11 @@ void Placer::place(const std::vector<int>& pixels) {
     std::vector<GatheredRecord> gathered = gather_(sites);
     SHEEN_CHECK_EQ(gathered.size(), sites.size());
     for (size_t i = 0; i < pixels.size(); ++i) {
-        placed_.push_back({std::move(gathered[i]), footprint(pixels[i])});
+        placed_.push_back({std::move(gathered[i]), pixels[i], footprint(pixels[i])});
         Record& record = placed_.back().gathered.record;
         record.radius = clampedRadius(placed_.back());
+        placed_.back().outgoing = predictedOutgoing(placed_.back().gathered, pixels[i]);
+        heedNeighbours(placed_.size() - 1);
         clampNeighbours(placed_.size() - 1);
         splat(record, true);
     }
@@ -170,6 +184,70 @@ float Placer::clampedRadius(const Placed& placed) const {
         radius = std::min(radius, luminance(r.irradiance) / change);
     }
     return std::clamp(radius, leastRadius(placed.footprint), greatestRadius(placed.footprint));
+}
+
+// Luminance that a pixel sends to the camera by what a record predicts there.
+float Placer::predictedOutgoing(const GatheredRecord& g, int pixel) const {
+    const auto i = static_cast<size_t>(pixel);
+    const vec3 p = position(pixel);
+    const vec3 irradiance = shared::recordIrradiance(g.record, p, normal(pixel));
+    const int pixel_order = order(pixel);
+    if (pixel_order == shared::DIFFUSE_ORDER) {
+        return luminance(irradiance);  // the reflectance would cancel in every comparison
+    }
+    const float* lobe = &lobes_.coefficients[static_cast<size_t>(lobes_.first.pixels[i])];
+    const vec3 specular =
+        glm::max(convolveRecord(g.record, g.sh.data(), lobe, pixel_order, p), vec3(0.0f));
+    return luminance(vec3(gbuffer_.diffuse.pixels[i]) * irradiance / kPi +
+                     lobes_.scale.pixels[i] * specular);
+}
+
+// Shrinks a placed record's radius to `radius`, if that is smaller, and takes its weights along.
+void Placer::limitRadius(Placed& placed, float radius) {
+    Record& record = placed.gathered.record;
+    const float limit = std::max(radius, leastRadius(placed.footprint));
+    if (limit < record.radius) {
+        splat(record, false);
+        record.radius = limit;
+        splat(record, true);
+    }
+}
+
+// Records whose regions overlap predict each other through the BRDF of the pixels they serve. The
+// error of an extrapolation with gradients grows with the square of the distance: from the error at
+// the neighbour follows where it reaches the tolerated one, and the reach ends there.
+// Based on: [KBPZ06], which shrinks by a fixed factor instead.
+void Placer::heedNeighbours(size_t added) {
+    if (params_.disagreement <= 0.0f) {
+        return;
+    }
+    Placed& fresh = placed_[added];
+    Record& record = fresh.gathered.record;
+    for (size_t j = 0; j < added; ++j) {
+        Placed& other = placed_[j];
+        const Record& neighbour = other.gathered.record;
+        const vec3 d = record.position - neighbour.position;
+        const float distance = glm::length(d);
+        const float reach = params_.accuracy * (record.radius + neighbour.radius);
+        if (distance > reach || neighbour.order != record.order || distance == 0.0f ||
+            glm::dot(record.normal, neighbour.normal) < kSameSurfaceCosine ||
+            0.5f * std::abs(glm::dot(d, record.normal + neighbour.normal)) > weight_.slab * reach) {
+            continue;
+        }
+        const float scale = std::max(fresh.outgoing, other.outgoing);
+        const auto allowed = [&](float predicted, float actual) {
+            const float error = std::abs(predicted - actual) / scale - kGatherNoise;
+            return error > 0.0f ? distance * std::sqrt(params_.disagreement / error) /
+                                      params_.accuracy
+                                : kInfinity;
+        };
+        if (scale > 0.0f) {
+            const float of_fresh = allowed(predictedOutgoing(fresh.gathered, other.pixel), other.outgoing);
+            const float of_other = allowed(predictedOutgoing(other.gathered, fresh.pixel), fresh.outgoing);
+            record.radius = std::max(std::min(record.radius, of_fresh), leastRadius(fresh.footprint));
+            limitRadius(other, of_other);
+        }
+    }
 }
 
 // A feature that one record sees cannot be far from its neighbours: R_i <= R_j + |p_i - p_j|, for
@@ -188,11 +266,7 @@ void Placer::clampNeighbours(size_t added) {
             const float limit =
                 std::max(fresh.radius + glm::length(fresh.position - other.position),
                          leastRadius(placed_[j].footprint));
-            if (limit < other.radius) {
-                splat(other, false);
-                other.radius = limit;
-                splat(other, true);
-            }
+            limitRadius(placed_[j], limit);
         }
     }
 }
@@ -276,8 +350,9 @@ Placement Placer::run(bool quiet) {
 }  // namespace
 
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                       const PlacementParams& params, const GatherFunction& gather, bool quiet) {
-    return Placer(scene, gbuffer, classes, params, gather).run(quiet);
+                       const PixelLobes& lobes, const PlacementParams& params,
+                       const GatherFunction& gather, bool quiet) {
+    return Placer(scene, gbuffer, classes, lobes, params, gather).run(quiet);
 }
 
 PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius) {

@@ -7,6 +7,7 @@
 
 #include "cache/classes.h"
 #include "cache/gather.h"
+#include "cache/lobes.h"
 #include "cache/record.h"
 #include "raster/gbuffer.h"
 
@@ -19,6 +20,8 @@ struct PlacementParams {
     float min_pixels = 3.0f;       ///< least reach a R, in footprints of the record's pixel
     float max_pixels = 40.0f;      ///< greatest reach
     bool neighbour_clamping = true;
+    float disagreement = 0.05f;    ///< relative error at which a record's reach should end, as
+                                   ///< judged by its neighbours; 0: do not ask them
     int batch = 64;                ///< sites chosen and gathered at once
     int coarsest_stride = 16;      ///< of the grids that are scanned: a power of two
     float gradient_limit = 0.5f;   ///< greatest extrapolated change relative to the value
@@ -42,7 +45,8 @@ struct Placement {
 /// parameters and not of the machine, so the records never depend on the number of threads.
 /// A batch of 1 and a stride of 1 is the chapter's linear scan, [GKB09, algorithm 5].
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                       const PlacementParams& params, const GatherFunction& gather, bool quiet);
+                       const PixelLobes& lobes, const PlacementParams& params,
+                       const GatherFunction& gather, bool quiet);
 
 /// Rectangle of pixels [x0, x1) x [y0, y1) that bounds a sphere in the image, conservatively; the
 /// whole image when the sphere comes near the camera; empty when it lies behind.

@@ -62,4 +62,7 @@ struct RecordCache {
 /// A tangent frame (tangent, bitangent, normal) that depends on the normal alone. [DBC17]
 mat3 tangentFrame(const vec3& normal);
 
+/// A lobe [order * order] times a record's coefficients (`sh`, in ShLayout) extrapolated to p, RGB.
+vec3 convolveRecord(const Record& k, const float* sh, const float* lobe, int order, const vec3& p);
+
 }  // namespace sheen

@@ -74,6 +74,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     const GBuffer gbuffer = renderGBuffer(pool, scene, gpu, camera, params.width, params.height);
     const PixelClasses classes =
         classifyPixels(scene, gbuffer, params.sh_order, irradiance_only);
+    const PixelLobes lobes = buildLobes(gbuffer, classes);
     seconds.gbuffer = gbuffer_timer.seconds();
 
     Timer placement_timer;
@@ -81,7 +82,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     {
         Gatherer gatherer(pool, scene, gpu, params.gather);
         placement = placeRecords(
-            scene, gbuffer, classes, params.placement,
+            scene, gbuffer, classes, lobes, params.placement,
             [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); },
             params.quiet);
         seconds.gather = gatherer.seconds().raster;
@@ -90,7 +91,6 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     seconds.placement = placement_timer.seconds() - seconds.gather - seconds.project;
 
     Timer splat_timer;
-    const PixelLobes lobes = buildLobes(gbuffer, classes);
     const SplatBuffer splat = splatGpu(pool, gbuffer, classes, lobes, placement.cache,
                                        params.placement.weight());
     seconds.splat = splat_timer.seconds();

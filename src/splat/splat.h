@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cache/classes.h"
+#include "cache/lobes.h"
 #include "cache/placement.h"
 #include "cache/record.h"
 #include "gl/worker_pool.h"
@@ -13,16 +14,6 @@
 #include "raster/gbuffer.h"
 
 namespace sheen {
-
-/// The specular lobe of each glossy pixel in spherical harmonics, world space. One set of
-/// coefficients serves the three channels: the lobe's shape is taken at the mean F0, and what a
-/// coloured F0 changes of its albedo is a factor.
-struct PixelLobes {
-    Image<int> first;                 ///< index of a pixel's first coefficient, -1: none
-    std::vector<float> coefficients;  ///< as many a pixel as the square of its order
-    Image<vec3> scale;
-};
-PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes);
 
 /// Sums over the records.
 struct SplatBuffer {

@@ -1,9 +1,10 @@
+#include "cache/lobes.h"
+
 #include <map>
 
+#include "cache/record.h"
 #include "core/parallel.h"
-#include "scene/brdf_albedo.h"
 #include "sh/brdf_sh.h"
-#include "splat/splat.h"
 
 namespace sheen {
 
