@@ -1,0 +1,262 @@
+// The GPU's splat against the CPU's, and what compose() makes of the sums.
+#include "splat/splat.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scene/brdf_albedo.h"
+#include "sh/sh.h"
+#include "test_scenes.h"
+#include "test_stage.h"
+
+namespace sheen {
+namespace {
+
+constexpr WeightParams kWeight = {.accuracy = 0.3f, .normal_weight = 1.0f, .slab = 0.2f};
+// Sums of a few hundred single-precision products, added in another order; relative to the sum of
+// what was added, which is larger than the result where signs differ.
+constexpr float kSplatError = 1e-4f;
+
+// Records at pixels spread over the image, of their pixels' classes, with made-up light.
+RecordCache makeRecords(const GBuffer& g, const PixelClasses& classes, int stride, uint32_t seed) {
+    Random random(seed);
+    RecordCache cache;
+    for (int i = 0; i < g.width * g.height; i += stride) {
+        const auto p = static_cast<size_t>(i);
+        if (!g.seen(i)) {
+            continue;
+        }
+        Record r{};
+        r.position = vec3(g.position.pixels[p]);
+        r.normal = vec3(g.normal.pixels[p]);
+        r.tangent = tangentFrame(r.normal)[0];
+        r.order = classes.orders.pixels[p];
+        r.radius = random.uniform(0.2f, 3.0f);
+        r.irradiance = random.point(0.1f, 2.0f);
+        r.rotation_r = random.point(-0.3f, 0.3f);
+        r.rotation_b = random.point(-0.3f, 0.3f);
+        r.translation_g = random.point(-0.3f, 0.3f);
+        r.translation_b = random.point(-3.0f, 3.0f);  // steep: sums below zero are cut
+        r.sh_first = static_cast<int>(cache.sh.size());
+        if (r.order > shared::DIFFUSE_ORDER) {
+            for (int k = 0; k < shLayout(r.order).size(); ++k) {
+                cache.sh.push_back(random.uniform(-0.5f, 1.0f));
+            }
+        }
+        cache.records.push_back(r);
+    }
+    return cache;
+}
+
+void expectSame(const Image<vec4>& gpu, const Image<vec4>& cpu, float scale, const char* what) {
+    ASSERT_EQ(gpu.pixels.size(), cpu.pixels.size());
+    for (size_t i = 0; i < gpu.pixels.size(); ++i) {
+        for (int c = 0; c < 4; ++c) {
+            ASSERT_TRUE(std::isfinite(gpu.pixels[i][c]));
+            ASSERT_NEAR(gpu.pixels[i][c], cpu.pixels[i][c],
+                        kSplatError * (std::abs(cpu.pixels[i][c]) + scale))
+                << what << " pixel " << i << " channel " << c;
+        }
+    }
+}
+
+TEST(Splat, GpuEqualsCpuForEveryOrder) {
+    const Scene scene = cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f),
+                                    glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.4f));
+    TestStage stage(scene);
+    const GBuffer g = stage.gbuffer(72, 60);
+    for (int order = 3; order <= 8; ++order) {
+        const PixelClasses classes = classifyPixels(scene, g, order, false);
+        ASSERT_GT(classes.diffuse, 100);
+        ASSERT_GT(classes.geometry - classes.diffuse, 100);
+        const PixelLobes lobes = buildLobes(g, classes);
+        const RecordCache cache = makeRecords(g, classes, 13, static_cast<uint32_t>(order));
+        const SplatBuffer gpu = splatGpu(stage.pool, g, classes, lobes, cache, kWeight);
+        const SplatBuffer cpu = splatCpu(g, classes, lobes, cache, kWeight);
+        SCOPED_TRACE("order " + std::to_string(order));
+        // Weights reach a few hundred beside the records' own pixels.
+        expectSame(gpu.irradiance, cpu.irradiance, 10.0f, "irradiance");
+        expectSame(gpu.specular, cpu.specular, 10.0f, "specular");
+        double total = 0.0;
+        for (const vec4& v : cpu.specular.pixels) {
+            total += std::abs(v.x);
+        }
+        EXPECT_GT(total, 1.0);
+    }
+}
+
+TEST(Splat, OrdersMayMix) {
+    // By prediction each material has an order of its own; diffuse records lie beside glossy ones.
+    const Scene scene = cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.6f),
+                                    glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.3f));
+    TestStage stage(scene);
+    const GBuffer g = stage.gbuffer(64, 64);
+    const PixelClasses classes = classifyPixels(scene, g, 0, false);
+    const PixelLobes lobes = buildLobes(g, classes);
+    const RecordCache cache = makeRecords(g, classes, 17, 5);
+    expectSame(splatGpu(stage.pool, g, classes, lobes, cache, kWeight).specular,
+               splatCpu(g, classes, lobes, cache, kWeight).specular, 10.0f, "specular");
+}
+
+TEST(Splat, HugeAndTinyRecords) {
+    // Regions of influence that fill the image, hold the camera, or are smaller than a pixel.
+    const Scene scene =
+        cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f), diffuseParams(vec3(0.5f)));
+    TestStage stage(scene);
+    const GBuffer g = stage.gbuffer(48, 40);
+    const PixelClasses classes = classifyPixels(scene, g, 4, false);
+    const PixelLobes lobes = buildLobes(g, classes);
+    for (float radius : {1e-6f, 1e-2f, 100.0f, 1e6f}) {
+        RecordCache cache = makeRecords(g, classes, 37, 6);
+        for (Record& r : cache.records) {
+            r.radius = radius;
+            r.translation_g = r.translation_b = vec3(0.0f);
+        }
+        std::fill(cache.sh.begin(), cache.sh.end(), 0.25f);
+        const SplatBuffer gpu = splatGpu(stage.pool, g, classes, lobes, cache, kWeight);
+        const SplatBuffer cpu = splatCpu(g, classes, lobes, cache, kWeight);
+        // A weight at a record's own pixel: reach over half a footprint.
+        const float scale = std::max(10.0f, 0.1f * radius);
+        expectSame(gpu.irradiance, cpu.irradiance, scale, "irradiance");
+        expectSame(gpu.specular, cpu.specular, scale, "specular");
+    }
+}
+
+TEST(Splat, NoRecordsNoPixelsNoGloss) {
+    const Scene scene =
+        cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f), diffuseParams(vec3(0.5f)));
+    TestStage stage(scene);
+    const GBuffer g = stage.gbuffer(16, 16);
+    for (bool irradiance_only : {false, true}) {
+        const PixelClasses classes = classifyPixels(scene, g, 4, irradiance_only);
+        const SplatBuffer none =
+            splatGpu(stage.pool, g, classes, buildLobes(g, classes), RecordCache{}, kWeight);
+        for (const vec4& v : none.irradiance.pixels) {
+            EXPECT_EQ(v, vec4(0.0f));
+        }
+    }
+    // Records, but no pixel that sees anything.
+    const Scene empty;
+    TestStage empty_stage(empty);
+    const GBuffer nothing = empty_stage.gbuffer(lookAt(vec3(0, 0, 1), vec3(0)), 8, 8);
+    const PixelClasses classes = classifyPixels(empty, nothing, 4, false);
+    RecordCache cache;
+    Record r{};
+    r.normal = vec3(0, 0, 1);
+    r.tangent = vec3(1, 0, 0);
+    r.radius = 100.0f;
+    r.irradiance = vec3(1.0f);
+    cache.records.push_back(r);
+    const SplatBuffer splat =
+        splatGpu(empty_stage.pool, nothing, classes, buildLobes(nothing, classes), cache, kWeight);
+    for (const vec4& v : splat.irradiance.pixels) {
+        EXPECT_EQ(v, vec4(0.0f));
+    }
+}
+
+TEST(PixelLobes, AConstantEnvironmentGivesTheAlbedo) {
+    // Coefficients of constant radiance L: sqrt(4 pi) L in band 0. Convolved with the lobe and
+    // scaled, that is the specular albedo of each channel times L.
+    const Scene scene = cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f),
+                                    glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.4f));
+    TestStage stage(scene);
+    const GBuffer g = stage.gbuffer(48, 48);
+    const PixelClasses classes = classifyPixels(scene, g, 5, false);
+    const PixelLobes lobes = buildLobes(g, classes);
+    int glossy = 0;
+    for (int i = 0; i < 48 * 48; ++i) {
+        const auto p = static_cast<size_t>(i);
+        if (classes.orders.pixels[p] <= shared::DIFFUSE_ORDER) {
+            EXPECT_EQ(lobes.first.pixels[p], -1);
+            continue;
+        }
+        ++glossy;
+        const float convolved =
+            lobes.coefficients[static_cast<size_t>(lobes.first.pixels[p])] * std::sqrt(4.0f * kPi);
+        const vec3 found = lobes.scale.pixels[p] * convolved;
+        const vec3 wo = glm::normalize(g.view.origin - vec3(g.position.pixels[p]));
+        const vec2 ab = brdfAlbedo(glm::dot(vec3(g.normal.pixels[p]), wo), g.normal.pixels[p].w);
+        const vec3 expected = vec3(g.f0.pixels[p]) * ab.x + vec3(g.diffuse.pixels[p].w * ab.y);
+        // Two interpolated tables.
+        EXPECT_LT(glm::length(found - expected), 0.02f * glm::length(expected) + 1e-3f);
+    }
+    EXPECT_GT(glossy, 200);
+}
+
+// ---- Compose ------------------------------------------------------------------------------------
+
+struct Composed {
+    Frame frame;
+    ComposeCounts counts;
+};
+
+// A 4 x 1 image of a diffuse surface; the splat is given.
+Composed composeFour(const std::array<vec4, 4>& irradiance, int order) {
+    GBuffer g;
+    g.width = 4;
+    g.height = 1;
+    g.view = cameraView(lookAt(vec3(0, 1, 0), vec3(0)), 4, 1, 0.01f);
+    g.position = Image<vec4>(4, 1, vec4(0, 0, 0, 1));
+    g.normal = Image<vec4>(4, 1, vec4(0, 1, 0, 1));
+    g.diffuse = Image<vec4>(4, 1, vec4(0.5f, 0.5f, 0.5f, 0));
+    g.f0 = g.emission = Image<vec4>(4, 1);
+    g.direct = Image<vec4>(4, 1, vec4(1, 2, 3, 0));
+    g.primitive = Image<uint32_t>(4, 1, 0u);
+    PixelClasses classes;
+    classes.orders = Image<int>(4, 1, order);
+    PixelLobes lobes{Image<int>(4, 1, order > 0 ? 0 : -1), {0.0f}, Image<vec3>(4, 1, vec3(1.0f))};
+    SplatBuffer splat{Image<vec4>(4, 1), Image<vec4>(4, 1)};
+    splat.irradiance.pixels.assign(irradiance.begin(), irradiance.end());
+    if (order > 0) {
+        splat.specular.pixels = splat.irradiance.pixels;
+        splat.irradiance.pixels.assign(4, vec4(0, 0, 0, 1));
+    }
+    Composed composed;
+    composed.counts = compose(g, classes, lobes, splat, false, composed.frame);
+    return composed;
+}
+
+TEST(Compose, DividesByTheWeights) {
+    const Composed c = composeFour(
+        {vec4(2, 4, 6, 2), vec4(1e-3f, 0, 0, 1e-3f), vec4(1e8f, 0, 0, 1e8f), vec4(0)}, 0);
+    EXPECT_NEAR(c.frame.indirect.at(0, 0).z, 0.5f / kPi * 3.0f, 1e-6f);
+    EXPECT_NEAR(c.frame.indirect.at(1, 0).x, 0.5f / kPi, 1e-6f);
+    EXPECT_NEAR(c.frame.indirect.at(2, 0).x, 0.5f / kPi, 1e-6f);
+    EXPECT_EQ(c.frame.indirect.at(3, 0), vec3(0.0f));  // no record
+    EXPECT_EQ(c.frame.weight.at(0, 0), 2.0f);
+    EXPECT_EQ(c.frame.direct.at(3, 0), vec3(1, 2, 3));
+    EXPECT_EQ(c.counts.nonfinite, 0);
+    EXPECT_EQ(c.counts.negative, 0);
+}
+
+TEST(Compose, CountsAndMendsWhatIsNotFinite) {
+    const float nan = std::nanf("");
+    for (int order : {0, 3}) {
+        const Composed c = composeFour({vec4(nan, 1, 1, 1), vec4(kInfinity, 1, 1, 1),
+                                        vec4(1, 1, -kInfinity, 1), vec4(1, 1, 1, 1)},
+                                       order);
+        EXPECT_EQ(c.counts.nonfinite, 3) << order;
+        for (int x = 0; x < 4; ++x) {
+            const vec3 v = c.frame.indirect.at(x, 0) + c.frame.indirect_diffuse.at(x, 0);
+            EXPECT_TRUE(std::isfinite(v.x + v.y + v.z)) << order;
+        }
+        EXPECT_EQ(c.frame.indirect.at(0, 0), vec3(0.0f));
+        EXPECT_GT(c.frame.indirect.at(3, 0).x, 0.0f);
+    }
+}
+
+TEST(Compose, CountsAndClampsWhatIsNegative) {
+    const Composed c = composeFour(
+        {vec4(-1, 1, 1, 1), vec4(1, 1, 1, 1), vec4(-1, -1, -1, 1), vec4(0, 0, 0, 1)}, 3);
+    EXPECT_EQ(c.counts.negative, 2);
+    for (int x = 0; x < 4; ++x) {
+        EXPECT_GE(glm::min(glm::min(c.frame.indirect.at(x, 0).x, c.frame.indirect.at(x, 0).y),
+                           c.frame.indirect.at(x, 0).z),
+                  0.0f);
+    }
+    EXPECT_EQ(c.frame.indirect.at(0, 0), vec3(0, 1, 1));  // only the channel that is negative
+}
+
+}  // namespace
+}  // namespace sheen
