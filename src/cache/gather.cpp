@@ -15,6 +15,9 @@ constexpr int kBatch = 16;  // records that one worker draws before it shades an
 // record's own surface is clipped.
 constexpr float kLiftOverNear = 0.25f;
 
+// Error of coarser geometry that is accepted, in texels at the middle of a face.
+const float kLodTexels = getenv("LOD") ? atof(getenv("LOD")) : 0.5f;
+
 }  // namespace
 
 // What one worker owns: framebuffers, programs and its time.
@@ -36,6 +39,9 @@ Gatherer::Gatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu
     : pool_(pool), gpu_(gpu), hemisphere_(makeHemisphere(params)) {
     near_ = nearDistance(scene);
     lift_ = kLiftOverNear * near_;
+    const float texel_angle = 2.0f * glm::length(hemisphere_.faces[0].right) /
+                              static_cast<float>(hemisphere_.faces[0].width);
+    lod_tolerance_ = kLodTexels * texel_angle;
     any_shaded_ = std::any_of(gpu.lit_triangles.begin(), gpu.lit_triangles.end(),
                               [](const LitTriangle& t) { return t.lambertian == 0; });
     projection_.resize(shared::SH_MAX_ORDER + 1);
@@ -125,7 +131,7 @@ std::vector<GatheredRecord> Gatherer::gather(std::span<const RecordSite> sites) 
                 for (int f = 0; f < faces; ++f) {
                     const HemisphereFace& face = hemisphere_.faces[static_cast<size_t>(f)];
                     glViewport(i * hemisphere_.width + face.x, face.y, face.width, face.height);
-                    w.drawer.draw(gpu_, i * faces + f);
+                    w.drawer.draw(gpu_, i * faces + f, lod_tolerance_);
                 }
             }
             glDisable(GL_DEPTH_TEST);

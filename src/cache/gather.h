@@ -36,6 +36,7 @@ class Gatherer {
     const GpuScene& gpu_;
     Hemisphere hemisphere_;
     float near_ = 0;
+    float lod_tolerance_ = 0;  // radians
     float lift_ = 0;  // from the surface, so that rounding never puts it in front of the eye
     bool any_shaded_ = false;  // whether some surface is not Lambertian
     std::vector<std::vector<float>> projection_;  // [order]; made when first needed

@@ -11,9 +11,6 @@
 namespace sheen {
 namespace {
 
-constexpr size_t kClusterVertices = 255;
-constexpr size_t kClusterTriangles = 124;
-
 // Layouts of shaders/raster/surface.glsl.
 struct PackedTriangle {
     vec3 p0;
@@ -47,71 +44,12 @@ struct PackedMaterial {
 static_assert(sizeof(PackedMaterial) == 5 * 16);
 static_assert(sizeof(PunctualLight) == 4 * 16);
 
-// Welds vertices that share a position: the visibility pass needs nothing else of them.
-struct WeldedMesh {
-    std::vector<vec3> positions;
-    std::vector<uint32_t> indices;
-};
-
-WeldedMesh weld(const Scene& scene) {
-    std::vector<uint32_t> indices;
-    indices.reserve(scene.triangles.size() * 3);
-    for (const uvec3& t : scene.triangles) {
-        indices.insert(indices.end(), {t.x, t.y, t.z});
-    }
-    std::vector<uint32_t> remap(scene.positions.size());
-    const size_t count =
-        meshopt_generateVertexRemap(remap.data(), indices.data(), indices.size(),
-                                    scene.positions.data(), scene.positions.size(), sizeof(vec3));
-    WeldedMesh mesh;
-    mesh.positions.resize(count);
-    mesh.indices.resize(indices.size());
-    meshopt_remapVertexBuffer(mesh.positions.data(), scene.positions.data(),
-                              scene.positions.size(), sizeof(vec3), remap.data());
-    meshopt_remapIndexBuffer(mesh.indices.data(), indices.data(), indices.size(), remap.data());
-    return mesh;
-}
-
-// Splits the mesh into clusters; returns the scene's triangle of each cluster-ordered triangle.
-std::vector<uint32_t> buildClusters(const WeldedMesh& mesh, std::vector<Cluster>& clusters) {
-    const size_t triangles = mesh.indices.size() / 3;
-    // meshopt's meshlets do not say which triangle went where, so cluster a spatially sorted order
-    // instead: neighbours in it are neighbours in space.
-    std::vector<vec3> centroids(triangles);
-    for (size_t t = 0; t < triangles; ++t) {
-        centroids[t] = (mesh.positions[mesh.indices[3 * t]] + mesh.positions[mesh.indices[3 * t + 1]] +
-                        mesh.positions[mesh.indices[3 * t + 2]]) /
-                       3.0f;
-    }
-    std::vector<uint32_t> rank(triangles);
-    if (triangles > 0) {
-        meshopt_spatialSortRemap(rank.data(), &centroids[0].x, triangles, sizeof(vec3));
-    }
-    std::vector<uint32_t> order(triangles);
-    for (size_t t = 0; t < triangles; ++t) {
-        order[rank[t]] = static_cast<uint32_t>(t);
-    }
-    for (size_t first = 0; first < triangles; first += kClusterTriangles) {
-        const size_t count = std::min(kClusterTriangles, triangles - first);
-        Bounds bounds;
-        for (size_t i = first; i < first + count; ++i) {
-            for (int corner = 0; corner < 3; ++corner) {
-                bounds.add(mesh.positions[mesh.indices[3 * order[i] + corner]]);
-            }
-        }
-        clusters.push_back({.center = bounds.center(),
-                            .radius = 0.5f * bounds.size(),
-                            .first_triangle = static_cast<uint32_t>(first),
-                            .triangle_count = static_cast<uint32_t>(count)});
-    }
-    return order;
-}
-
-std::vector<PackedTriangle> packTriangles(const Scene& scene, const std::vector<uint32_t>& order) {
+std::vector<PackedTriangle> packTriangles(const Scene& scene, const ClusteredMesh& mesh) {
     std::vector<PackedTriangle> packed;
-    packed.reserve(order.size());
-    for (uint32_t t : order) {
-        const uvec3& v = scene.triangles[t];
+    packed.reserve(mesh.triangles.size());
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const uvec3& v = mesh.triangles[i];
+        const uint32_t t = mesh.scene_triangles[i];
         packed.push_back({.p0 = scene.positions[v.x],
                           .material = scene.materials_of[t],
                           .p1 = scene.positions[v.y],
@@ -197,25 +135,35 @@ void uploadMaterials(const Scene& scene, GpuScene& gpu) {
 
 GpuScene uploadScene(const Scene& scene) {
     GpuScene gpu;
-    gpu.triangle_count = static_cast<uint32_t>(scene.triangleCount());
     gpu.light_count = static_cast<int>(scene.lights.size());
-    const WeldedMesh mesh = weld(scene);
-    const std::vector<uint32_t> order = buildClusters(mesh, gpu.clusters);
+    const ClusteredMesh mesh = buildClusters(scene);
+    gpu.clusters = mesh.clusters;
+    // The visibility pass needs only positions: vertices that share one become one.
     std::vector<uint32_t> indices;
-    indices.reserve(mesh.indices.size());
-    for (uint32_t t : order) {
-        indices.insert(indices.end(), mesh.indices.begin() + 3 * t, mesh.indices.begin() + 3 * t + 3);
+    indices.reserve(mesh.triangles.size() * 3);
+    for (const uvec3& t : mesh.triangles) {
+        indices.insert(indices.end(), {t.x, t.y, t.z});
     }
-    std::vector<uint32_t> identity(order.size());
+    std::vector<vec3> positions;
+    if (!indices.empty()) {
+        std::vector<uint32_t> remap(scene.positions.size());
+        positions.resize(meshopt_generateVertexRemap(remap.data(), indices.data(), indices.size(),
+                                                     scene.positions.data(),
+                                                     scene.positions.size(), sizeof(vec3)));
+        meshopt_remapVertexBuffer(positions.data(), scene.positions.data(),
+                                  scene.positions.size(), sizeof(vec3), remap.data());
+        meshopt_remapIndexBuffer(indices.data(), indices.data(), indices.size(), remap.data());
+    }
+    std::vector<uint32_t> identity(mesh.triangles.size());
     std::iota(identity.begin(), identity.end(), 0u);
-    std::vector<PackedTriangle> packed = packTriangles(scene, order);
-    gpu.lit_triangles = layOutSurfaceLight(scene, order);
+    std::vector<PackedTriangle> packed = packTriangles(scene, mesh);
+    gpu.lit_triangles = layOutSurfaceLight(scene, mesh);
     uint32_t light_texel = 0;
     for (size_t i = 0; i < packed.size(); ++i) {
         packed[i].light_texel = light_texel;
         light_texel += 1u << (2 * gpu.lit_triangles[i].log2_size);
     }
-    gpu.positions = gl::makeBuffer(std::span<const vec3>(mesh.positions));
+    gpu.positions = gl::makeBuffer(std::span<const vec3>(positions));
     gpu.indices = gl::makeBuffer(std::span<const uint32_t>(indices));
     gpu.identity = gl::makeBuffer(std::span<const uint32_t>(identity));
     gpu.triangles = gl::makeBuffer(std::span<const PackedTriangle>(packed));
@@ -250,26 +198,33 @@ void ClusterDrawer::setViews(std::span<const View> views) {
     gl::refillBuffer(view_buffer_, views);
 }
 
-void ClusterDrawer::draw(const GpuScene& gpu, int index) {
+void ClusterDrawer::draw(const GpuScene& gpu, int index, float tolerance) {
     using namespace gl;
     const View& view = views_[static_cast<size_t>(index)];
     commands_.clear();
-    uint32_t end = 0;  // triangle after the last one drawn: adjacent clusters become one command
+    uint32_t end = 0;  // triangle after the last one drawn: adjacent runs become one command
     for (const Cluster& cluster : gpu.clusters) {
         if (view.kind == shared::VIEW_PERSPECTIVE &&
             !sphereInView(view, cluster.center, cluster.radius)) {
             continue;
         }
-        if (!commands_.empty() && end == cluster.first_triangle) {
-            commands_.back().count += 3 * cluster.triangle_count;
-        } else {
-            commands_.push_back({.count = 3 * cluster.triangle_count,
-                                 .instance_count = 1,
-                                 .first_index = 3 * cluster.first_triangle,
-                                 .base_vertex = 0,
-                                 .base_instance = cluster.first_triangle});
+        const float distance = glm::length(cluster.center - view.origin) - cluster.radius;
+        const LevelOfDetail* level = &cluster.levels[0];
+        for (const LevelOfDetail& coarser : cluster.levels) {
+            if (coarser.error <= tolerance * distance) {
+                level = &coarser;
+            }
         }
-        end = cluster.first_triangle + cluster.triangle_count;
+        if (!commands_.empty() && end == level->first) {
+            commands_.back().count += 3 * level->count;
+        } else {
+            commands_.push_back({.count = 3 * level->count,
+                                 .instance_count = 1,
+                                 .first_index = 3 * level->first,
+                                 .base_vertex = 0,
+                                 .base_instance = level->first});
+        }
+        end = level->first + level->count;
     }
     if (commands_.empty()) {
         return;

@@ -8,6 +8,7 @@
 #include "gl/objects.h"
 #include "gl/program.h"
 #include "gl/worker_pool.h"
+#include "raster/clusters.h"
 #include "raster/view.h"
 #include "scene/scene.h"
 
@@ -21,17 +22,8 @@ namespace sheen {
 using shared::LitTriangle;
 static_assert(sizeof(LitTriangle) == 3 * 16);
 
-/// Up to 124 neighbouring triangles, drawn or culled together.
-struct Cluster {
-    vec3 center{};
-    float radius = 0;
-    uint32_t first_triangle = 0;
-    uint32_t triangle_count = 0;
-};
-
 struct GpuScene {
     std::vector<Cluster> clusters;
-    uint32_t triangle_count = 0;
     int light_count = 0;
     gl::Buffer positions;
     gl::Buffer indices;
@@ -58,9 +50,8 @@ GpuScene uploadScene(const Scene& scene);
 /// for a directional light, whose view covers the scene's bounds.
 void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu);
 
-/// Shares the texels for surface light out among the triangles, in cluster order; `order` names the
-/// scene's triangle of each.
-std::vector<LitTriangle> layOutSurfaceLight(const Scene& scene, const std::vector<uint32_t>& order);
+/// Shares the texels for surface light out among the triangles of all levels of detail.
+std::vector<LitTriangle> layOutSurfaceLight(const Scene& scene, const ClusteredMesh& mesh);
 
 /// Lights every surface once: what each texel of each triangle scatters diffusely, on both sides,
 /// with mip levels. Records fetch it instead of shading what they see. Needs the shadow maps.
@@ -74,8 +65,10 @@ class ClusterDrawer {
     ClusterDrawer(const GpuScene& gpu, const char* fragment);
     /// Uploads the views that draw() names by index.
     void setViews(std::span<const View> views);
-    /// Draws what `views[index]` may see of `gpu` into the current framebuffer and viewport.
-    void draw(const GpuScene& gpu, int index);
+    /// Draws what `views[index]` may see of `gpu` into the current framebuffer and viewport, each
+    /// cluster at the coarsest level whose error is seen at an angle of at most `tolerance`
+    /// radians; 0: the finest.
+    void draw(const GpuScene& gpu, int index, float tolerance = 0.0f);
 
   private:
     struct DrawCommand {

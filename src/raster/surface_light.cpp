@@ -59,11 +59,12 @@ void packLevels(const LitTriangle& t, const vec4* front, const vec4* back, uvec4
 
 }  // namespace
 
-std::vector<LitTriangle> layOutSurfaceLight(const Scene& scene, const std::vector<uint32_t>& order) {
+std::vector<LitTriangle> layOutSurfaceLight(const Scene& scene, const ClusteredMesh& mesh) {
     std::vector<LitTriangle> lit;
     std::vector<float> longest;
-    for (uint32_t t : order) {
-        const uvec3& v = scene.triangles[t];
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const uvec3& v = mesh.triangles[i];
+        const uint32_t t = mesh.scene_triangles[i];
         const MaterialParams& m = scene.materials[scene.materials_of[t]].params;
         LitTriangle triangle{};
         triangle.p0 = scene.positions[v.x];
