@@ -29,7 +29,7 @@ inline MaterialParams glossyParams(const vec3& base, float metallic, float rough
 
 inline uint32_t addMaterial(Scene& scene, const MaterialParams& params) {
     Material material;
-    material.name = "m" + std::to_string(scene.materials.size());
+    material.name = std::to_string(scene.materials.size());
     material.params = params;
     scene.materials.push_back(material);
     return static_cast<uint32_t>(scene.materials.size() - 1);

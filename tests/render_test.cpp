@@ -1,0 +1,263 @@
+// Whole renders of scenes with closed forms, and of scenes that hardly are any.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "scene/brdf_albedo.h"
+#include "test_render.h"
+
+namespace sheen {
+namespace {
+
+// What the issue asks of furnaces: 1% of the closed form, in every pixel.
+constexpr float kFurnaceError = 0.01f;
+// Glossy: the albedo comes from a table on one side and from a lobe's band 0 on the other.
+constexpr float kGlossyFurnaceError = 0.015f;
+
+void expectSane(const RenderResult& result, int width, int height) {
+    const Frame& frame = result.frame;
+    ASSERT_EQ(frame.width(), width);
+    ASSERT_EQ(frame.height(), height);
+    for (const Image<vec3>* image :
+         {&frame.direct, &frame.indirect, &frame.indirect_diffuse, &frame.emission}) {
+        ASSERT_EQ(image->count(), width * height);
+        for (const vec3& v : image->pixels) {
+            ASSERT_TRUE(std::isfinite(v.x + v.y + v.z));
+            ASSERT_GE(std::min({v.x, v.y, v.z}), 0.0f);
+        }
+    }
+    EXPECT_EQ(result.stats.pixels_uncovered, 0);
+    EXPECT_EQ(result.stats.nonfinite_pixels, 0);
+}
+
+// ---- Closed forms -------------------------------------------------------------------------------
+
+TEST(Furnace, DiffuseSurfacesReflectTheirAlbedo) {
+    const vec3 albedo(0.8f, 0.5f, 0.2f), Le(1.0f, 2.0f, 3.0f);
+    for (Method method : {Method::kRadiance, Method::kIrradiance}) {
+        const RenderResult result =
+            renderFrame(furnace(diffuseParams(albedo), Le), smallRender(48, 48, method));
+        expectSane(result, 48, 48);
+        for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+            for (int c = 0; c < 3; ++c) {
+                const float expected = albedo[c] * Le[c];
+                EXPECT_NEAR(result.frame.indirect.pixels[i][c], expected, kFurnaceError * expected);
+                EXPECT_NEAR(result.frame.emission.pixels[i][c], Le[c], 1e-5f);
+            }
+        }
+    }
+}
+
+TEST(Furnace, GlossySurfacesReflectTheirWholeAlbedo) {
+    const vec3 base(0.8f, 0.5f, 0.2f), Le(1.0f, 2.0f, 3.0f);
+    for (const auto& [metallic, roughness] : {std::pair(0.0f, 0.5f), std::pair(1.0f, 0.4f),
+                                              std::pair(1.0f, 0.8f), std::pair(0.5f, 0.3f)}) {
+        const Scene scene = furnace(glossyParams(base, metallic, roughness), Le);
+        const RenderResult result = renderFrame(scene, smallRender(40, 40));
+        expectSane(result, 40, 40);
+        const vec3 eye(scene.cameras[0].world_from_camera[3]);
+        for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+            const vec3 wo = glm::normalize(eye - result.frame.position.pixels[i]);
+            const vec2 ab = brdfAlbedo(glm::dot(result.frame.normal.pixels[i], wo), roughness);
+            const Brdf brdf = shared::makeBrdf(scene.materials[0].params, ab);
+            const vec3 expected = Le * (brdf.diffuse + brdf.f0 * ab.x + vec3(brdf.f90 * ab.y));
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_NEAR(result.frame.indirect.pixels[i][c], expected[c],
+                            kGlossyFurnaceError * expected[c])
+                    << "metallic " << metallic << " roughness " << roughness << " pixel " << i;
+            }
+        }
+    }
+}
+
+TEST(SphereWithLightInside, OneBounceHasItsClosedForm) {
+    // Direct: albedo I / (pi R^2) everywhere; one bounce more: times the albedo.
+    const float R = 2.0f, albedo = 0.6f, I = 5.0f;
+    Scene scene;
+    addSphere(scene, vec3(0), R, 40, addMaterial(scene, diffuseParams(vec3(albedo))));
+    scene.lights.push_back(pointLight(vec3(0), vec3(I)));
+    scene.cameras.push_back(lookAt(vec3(0.5f, 0.3f, 1.0f), vec3(0, 0, -1)));
+    const RenderResult result = renderFrame(scene, smallRender(48, 48));
+    expectSane(result, 48, 48);
+    const float direct = albedo * I / (kPi * R * R);
+    for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+        // Forty rings of facets: 0.2% off the sphere; shading normals 2 degrees off the facets'.
+        EXPECT_NEAR(result.frame.direct.pixels[i].x, direct, 0.01f * direct);
+        // Records see facets at coarser levels of detail, nearer to the light.
+        EXPECT_NEAR(result.frame.indirect.pixels[i].x, albedo * direct, 0.02f * albedo * direct);
+    }
+}
+
+// ---- The same image -----------------------------------------------------------------------------
+
+Scene glossyRoom() {
+    return cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.4f),
+                       glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.35f));
+}
+
+std::vector<char> bytesOf(const Frame& frame) {
+    std::vector<char> bytes;
+    for (const Image<vec3>* image : {&frame.direct, &frame.indirect, &frame.indirect_diffuse}) {
+        const auto* first = reinterpret_cast<const char*>(image->pixels.data());
+        bytes.insert(bytes.end(), first, first + image->pixels.size() * sizeof(vec3));
+    }
+    return bytes;
+}
+
+TEST(RenderFrame, TheSameBitsRunToRunAndForAnyThreads) {
+    const Scene scene = glossyRoom();
+    const RenderParams params = smallRender(64, 130);
+    setThreadCount(1);
+    const std::vector<char> first = bytesOf(renderFrame(scene, params).frame);
+    for (int threads : {1, 2, 3}) {
+        setThreadCount(threads);
+        EXPECT_TRUE(bytesOf(renderFrame(scene, params).frame) == first) << threads << " threads";
+    }
+    setThreadCount(0);
+}
+
+// The software rasteriser's own threads are decided once a process: one process each.
+TEST(RenderFrameDeathTest, TheSameBitsInProcessesOfAnyThreads) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    const auto path = [](int threads) {
+        return std::filesystem::path(testing::TempDir()) /
+               ("sheen_render_threads_" + std::to_string(threads));
+    };
+    // A child runs this test up to its own statement, so nothing may be checked in between.
+    for (int threads : {1, 2, 3}) {
+        EXPECT_EXIT(
+            {
+                setThreadCount(threads);
+                const std::vector<char> bytes =
+                    bytesOf(renderFrame(glossyRoom(), smallRender(48, 40)).frame);
+                std::ofstream(path(threads), std::ios::binary)
+                    .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+                std::_Exit(0);
+            },
+            testing::ExitedWithCode(0), "");
+    }
+    std::vector<char> images[3];
+    for (int threads : {1, 2, 3}) {
+        std::ifstream file(path(threads), std::ios::binary);
+        images[threads - 1].assign(std::istreambuf_iterator<char>(file), {});
+        std::filesystem::remove(path(threads));
+    }
+    ASSERT_FALSE(images[0].empty());
+    EXPECT_TRUE(images[1] == images[0]);
+    EXPECT_TRUE(images[2] == images[0]);
+}
+
+TEST(RenderFrame, ScalingTheSceneChangesNoPixel) {
+    // A record may fall on another pixel where rounding decides, and shadow maps and rays round
+    // otherwise at edges: the images agree on average, not bit for bit.
+    constexpr double kMeanDifference = 0.01;
+    const Scene scene = glossyRoom();
+    const RenderParams params = smallRender(64, 64);
+    const Frame one = renderFrame(scene, params).frame;
+    double total = 0.0;
+    for (const vec3& v : one.indirect.pixels) {
+        total += v.x + v.y + v.z;
+    }
+    for (float s : {1000.0f, 0.001f}) {
+        const RenderResult other = renderFrame(scaled(scene, s), params);
+        expectSane(other, 64, 64);
+        double difference = 0.0;
+        for (size_t i = 0; i < one.indirect.pixels.size(); ++i) {
+            const vec3 d = glm::abs(other.frame.indirect.pixels[i] - one.indirect.pixels[i]);
+            difference += d.x + d.y + d.z;
+        }
+        EXPECT_LT(difference, kMeanDifference * total) << "scale " << s;
+    }
+}
+
+// ---- Hardly a scene -----------------------------------------------------------------------------
+
+TEST(RenderFrame, EmptySceneIsBlack) {
+    Scene scene;
+    scene.lights.push_back(pointLight(vec3(0), vec3(1)));
+    scene.cameras.push_back(lookAt(vec3(0, 0, 1), vec3(0)));
+    for (Method method : {Method::kRadiance, Method::kIrradiance}) {
+        const RenderResult result = renderFrame(scene, smallRender(20, 10, method));
+        expectSane(result, 20, 10);
+        EXPECT_EQ(result.stats.records, 0);
+        EXPECT_EQ(result.stats.pixels_geometry, 0);
+        for (const vec3& v : beauty(result.frame).pixels) {
+            EXPECT_EQ(v, vec3(0.0f));
+        }
+    }
+}
+
+TEST(RenderFrame, NoLightsIsBlack) {
+    Scene scene = glossyRoom();
+    scene.lights.clear();
+    const RenderResult result = renderFrame(scene, smallRender(32, 32));
+    expectSane(result, 32, 32);
+    EXPECT_EQ(result.stats.pixels_geometry, 32 * 32);
+    for (const vec3& v : beauty(result.frame).pixels) {
+        EXPECT_EQ(v, vec3(0.0f));
+    }
+}
+
+TEST(RenderFrame, CameraInsideAnObject) {
+    Scene scene = glossyRoom();
+    scene.cameras[0] = lookAt(vec3(-0.3f, -0.7f, -0.2f), vec3(0.5f, 0, 0));  // in the box
+    const RenderResult result = renderFrame(scene, smallRender(32, 32));
+    expectSane(result, 32, 32);
+    EXPECT_EQ(result.stats.pixels_geometry, 32 * 32);
+    // No light gets in; the gather's eye is lifted off the walls.
+    for (const vec3& v : beauty(result.frame).pixels) {
+        EXPECT_LT(std::max({v.x, v.y, v.z}), 0.02f);
+    }
+}
+
+TEST(RenderFrame, OnePixelVeryWideAndVeryTall) {
+    const Scene scene = glossyRoom();
+    for (const auto& [width, height] : {std::pair(1, 1), std::pair(600, 3), std::pair(2, 300)}) {
+        const RenderResult result = renderFrame(scene, smallRender(width, height));
+        expectSane(result, width, height);
+        EXPECT_EQ(result.stats.pixels_geometry, width * height);
+        EXPECT_GT(result.stats.records, 0);
+    }
+}
+
+TEST(RenderFrame, OpenSceneWithSkyAndInfiniteDistances) {
+    // A floor under nothing: records see no geometry at all.
+    Scene scene;
+    addQuad(scene, vec3(-5, 0, 5), vec3(10, 0, 0), vec3(0, 0, -10),
+            addMaterial(scene, glossyParams(vec3(0.5f), 0.0f, 0.5f)));
+    scene.lights.push_back(directionalLight(vec3(-0.2f, -1, 0), vec3(3)));
+    scene.cameras.push_back(lookAt(vec3(0, 1, 4), vec3(0, 0.8f, 0)));
+    const RenderResult result = renderFrame(scene, smallRender(48, 48));
+    expectSane(result, 48, 48);
+    EXPECT_LT(result.stats.pixels_geometry, 48 * 48);
+    EXPECT_GT(result.stats.pixels_geometry, 48 * 10);
+    for (const vec3& v : result.frame.indirect.pixels) {
+        EXPECT_EQ(v, vec3(0.0f));
+    }
+}
+
+TEST(RenderFrame, SmoothAndRoughEndsAndCrookedNormals) {
+    for (float roughness : {0.0f, 0.05f, 1.0f}) {
+        Scene scene = cornellRoom(glossyParams(vec3(0.9f), 1.0f, roughness),
+                                  glossyParams(vec3(0.5f), 0.0f, roughness));
+        Random random(3);
+        for (vec3& n : scene.normals) {
+            n = glm::normalize(n + 0.8f * random.direction());
+        }
+        expectSane(renderFrame(scene, smallRender(32, 32)), 32, 32);
+    }
+}
+
+TEST(RenderFrame, RefusesAnUnknownCamera) {
+    RenderParams params = smallRender(8, 8);
+    params.camera = "nobody";
+    EXPECT_THROW(renderFrame(glossyRoom(), params), Error);
+}
+
+}  // namespace
+}  // namespace sheen

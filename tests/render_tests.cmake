@@ -1,0 +1,1 @@
+sheen_test(render SOURCES render_test.cpp render_test_reference.cpp USES sheen_render sheen_metrics)

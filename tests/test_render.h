@@ -1,0 +1,30 @@
+// Rendering small scenes in tests.
+#pragma once
+
+#include "render/render.h"
+#include "test_scenes.h"
+
+namespace sheen {
+
+inline RenderParams smallRender(int width, int height, Method method = Method::kRadiance) {
+    RenderParams params;
+    params.method = method;
+    params.width = width;
+    params.height = height;
+    params.gather.size = 32;
+    params.quiet = true;
+    return params;
+}
+
+/// A closed room with a box in it whose every surface emits `emission` and has `material`.
+inline Scene furnace(MaterialParams material, const vec3& emission) {
+    Scene scene;
+    material.emission = emission;
+    const uint32_t m = addMaterial(scene, material);
+    addBox(scene, vec3(-1), vec3(1), m, true);
+    addBox(scene, vec3(-0.6f, -1.0f, -0.5f), vec3(0.0f, -0.4f, 0.1f), m, false);
+    scene.cameras.push_back(lookAt(vec3(0.1f, 0.1f, 0.95f), vec3(0.0f, -0.5f, -0.3f)));
+    return scene;
+}
+
+}  // namespace sheen
