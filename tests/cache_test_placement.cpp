@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "cache/lobes.h"
 #include "cache/placement.h"
 #include "image/frame.h"
 #include "test_scenes.h"
@@ -81,8 +82,8 @@ const Change kNoChange = [](const RecordSite&, GatheredRecord&) {};
 
 Placement place(const Stage& stage, const PlacementParams& params,
                 const Change& change = kNoChange) {
-    return placeRecords(stage.scene, stage.gbuffer, stage.classes, params, makeGather(change),
-                        true);
+    return placeRecords(stage.scene, stage.gbuffer, stage.classes,
+                        buildLobes(stage.gbuffer, stage.classes), params, makeGather(change), true);
 }
 
 // What the pixels' weights sum to, against the limit that placement keeps in fixed point.
@@ -315,7 +316,8 @@ TEST(Placement, RefusesAGatherThatLosesSites) {
     const GatherFunction none = [](std::span<const RecordSite>) {
         return std::vector<GatheredRecord>();
     };
-    EXPECT_THROW(placeRecords(stage.scene, stage.gbuffer, stage.classes, {}, none, true),
+    EXPECT_THROW(placeRecords(stage.scene, stage.gbuffer, stage.classes,
+                              buildLobes(stage.gbuffer, stage.classes), {}, none, true),
                  std::logic_error);
 }
 

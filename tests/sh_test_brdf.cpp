@@ -14,8 +14,10 @@ const float kSqrt4Pi = std::sqrt(4.0f * kPi);
 
 // Both tables are sums of some thousand stratified samples, stored at their nodes.
 constexpr float kAlbedoError = 1e-3f;
-// The nodes differ, and the lobe changes fast toward grazing views of smooth surfaces.
-constexpr float kAlbedoInterpolated = 1.5e-2f;
+// The nodes differ, and the lobe changes fast toward grazing views of smooth surfaces: the table's
+// step in view angle is three degrees.
+constexpr float kAlbedoInterpolated = 1.5e-2f, kAlbedoGrazing = 5e-2f;
+constexpr float kGrazing = 0.05f;  // view cosine
 // Table entries against quadrature on a fine grid; entries are below 1.
 constexpr double kTableError = 2e-3;
 // A rotated lobe is a sum of up to ten zonal harmonics a band, with weights of order one.
@@ -37,8 +39,9 @@ TEST(BrdfSh, EntryZeroIsTheDirectionalAlbedo) {
         const float roughness = random.uniform(0.05f, 1.0f);
         const BrdfShSample lobe = brdfSh(NoV, roughness);
         const vec2 albedo = brdfAlbedo(NoV, roughness);
-        EXPECT_NEAR(lobe.a[0] * kSqrt4Pi, albedo.x, kAlbedoInterpolated) << NoV << " " << roughness;
-        EXPECT_NEAR(lobe.b[0] * kSqrt4Pi, albedo.y, kAlbedoInterpolated) << NoV << " " << roughness;
+        const float error = NoV < kGrazing ? kAlbedoGrazing : kAlbedoInterpolated;
+        EXPECT_NEAR(lobe.a[0] * kSqrt4Pi, albedo.x, error) << NoV << " " << roughness;
+        EXPECT_NEAR(lobe.b[0] * kSqrt4Pi, albedo.y, error) << NoV << " " << roughness;
     }
 }
 
@@ -56,7 +59,7 @@ TEST(BrdfSh, FiniteAndBoundedOverTheWholeTableAndBeyond) {
 }
 
 TEST(BrdfSh, TableEntriesAreIntegralsOfTheLobe) {
-    const int nodes[][2] = {{31, 23}, {22, 12}, {10, 16}, {28, 10}};  // (view cosine, roughness)
+    const int nodes[][2] = {{0, 23}, {10, 12}, {22, 16}, {6, 10}};  // (view cosine, roughness)
     for (const auto& node : nodes) {
         const vec2 at = brdfShParams(node[0], node[1]);
         const BrdfShSample lobe = brdfSh(at.x, at.y);
