@@ -9,7 +9,9 @@ uniform vec4 faces[5];  // x, y, width, height of a face within a tile
 
 struct GatherTexel {
     vec3 origin;
-    vec3 direction;     // unit
+    vec3 direction;     // unit, through the texel's centre
+    vec3 step_u;        // to the neighbouring texels, on the scale of direction
+    vec3 step_v;
     float solid_angle;
 };
 
@@ -33,7 +35,10 @@ GatherTexel gatherTexel() {
     float area = 4.0 * length(cross(view.right, view.up)) / (size.x * size.y);
     GatherTexel texel;
     texel.origin = view.origin;
-    texel.direction = toward * inversesqrt(length2);
+    float scale = inversesqrt(length2);
+    texel.direction = toward * scale;
+    texel.step_u = view.right * (2.0 * scale / size.x);
+    texel.step_v = view.up * (2.0 * scale / size.y);
     texel.solid_angle = area / (length2 * sqrt(length2));
     return texel;
 }

@@ -47,6 +47,12 @@ float lightVisibility(PunctualLight light, vec3 p, vec3 n_g) {
 #endif
 }
 
+// Where a point of simplified geometry looks for light: it may lie below the true surface, which
+// casts the shadows, by as much as the simplification's error.
+vec3 liftToSurface(vec3 p, vec3 n_g, vec3 wi, float lod_error) {
+    return p + lod_error * (2.0 * n_g + 3.0 * wi);
+}
+
 // Radiance toward wo of light scattered once.
 vec3 directRadiance(Surface s, vec3 wo) {
     float NoV = max(dot(s.n, wo), MIN_COSINE);
@@ -57,8 +63,9 @@ vec3 directRadiance(Surface s, vec3 wo) {
         LightSample l = sampleLight(light, s.p);
         float NoL = dot(s.n, l.wi);
         if (NoL > 0.0 && dot(s.n_g, l.wi) > 0.0) {
+            vec3 p = liftToSurface(s.p, s.n_g, l.wi, s.lod_error);
             vec3 f = evalBrdf(brdf, s.n, wo, l.wi);
-            sum += f * l.irradiance * (NoL * lightVisibility(light, s.p, s.n_g));
+            sum += f * l.irradiance * (NoL * lightVisibility(light, p, s.n_g));
         }
     }
     return sum;

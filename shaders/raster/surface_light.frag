@@ -65,7 +65,8 @@ void main() {
         float side = dot(n_g, l.wi) >= 0.0 ? 1.0 : -1.0;
         float NoL = side * dot(n, l.wi);
         if (NoL > 0.0) {
-            vec3 e = l.irradiance * (NoL * lightVisibility(light, p, side * n_g));
+            vec3 lifted = liftToSurface(p, side * n_g, l.wi, t.lod_error);
+            vec3 e = l.irradiance * (NoL * lightVisibility(light, lifted, side * n_g));
             front += side > 0.0 ? e : vec3(0.0);
             back += side > 0.0 ? vec3(0.0) : e;
         }

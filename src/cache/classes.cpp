@@ -26,8 +26,7 @@ class PredictionTable {
     }
     const LobePrediction& at(float NoV, float roughness) const {
         const int x = static_cast<int>(std::sqrt(std::clamp(NoV, 0.0f, 1.0f)) * (kMu - 1) + 0.5f);
-        const int y =
-            static_cast<int>(std::clamp(roughness, 0.0f, 1.0f) * (kRoughness - 1) + 0.5f);
+        const int y = static_cast<int>(std::clamp(roughness, 0.0f, 1.0f) * (kRoughness - 1) + 0.5f);
         return entries_[y][x];
     }
 
@@ -42,9 +41,7 @@ const PredictionTable& predictions() {
     return table;
 }
 
-float mean(const vec3& v) {
-    return (v.x + v.y + v.z) / 3.0f;
-}
+float mean(const vec3& v) { return (v.x + v.y + v.z) / 3.0f; }
 
 // Share of the specular lobe in what a surface reflects of constant light.
 float specularShare(const vec3& diffuse, const vec3& f0, float f90, const vec2& albedo_ab) {

@@ -16,7 +16,7 @@ constexpr int kBatch = 16;  // records that one worker draws before it shades an
 constexpr float kLiftOverNear = 0.25f;
 
 // Error of coarser geometry that is accepted, in texels at the middle of a face.
-const float kLodTexels = getenv("LOD") ? atof(getenv("LOD")) : 0.5f;
+constexpr float kLodTexels = 0.1f;
 
 }  // namespace
 

@@ -38,7 +38,7 @@ class Gatherer {
     float near_ = 0;
     float lod_tolerance_ = 0;  // radians
     float lift_ = 0;  // from the surface, so that rounding never puts it in front of the eye
-    bool any_shaded_ = false;  // whether some surface is not Lambertian
+    bool any_shaded_ = false;                     // whether some surface is not Lambertian
     std::vector<std::vector<float>> projection_;  // [order]; made when first needed
     std::vector<std::unique_ptr<Worker>> workers_;
 };

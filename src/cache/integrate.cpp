@@ -11,8 +11,9 @@ namespace {
 
 // Translation gradients: when the record moves, solid angle passes between neighbouring texels
 // across their common wall, at the rate of the nearer one's parallax. The exchanged radiance is
-// added half to each texel, as the change of its radiance times solid angle: [axis][channel][texel].
-// `cosine_gradient`: the same with the cosine, summed: the irradiance's gradient. [WH92]
+// added half to each texel, as the change of its radiance times solid angle:
+// [axis][channel][texel]. `cosine_gradient`: the same with the cosine, summed: the irradiance's
+// gradient. [WH92]
 struct TranslationGradient {
     vec3 cosine_gradient[2] = {};
     std::vector<float> exchanged[2][3];
@@ -91,7 +92,8 @@ std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
         for (size_t t = 0; t < count; ++t) {
             plane[t] = texels[t][channel];
         }
-        project(layout.coefficients(), rotation, &sh[static_cast<size_t>(channel * layout.coefficients())]);
+        project(layout.coefficients(), rotation,
+                &sh[static_cast<size_t>(channel * layout.coefficients())]);
     }
     // What a texel exchanged is radiance times solid angle; the matrix expects radiance.
     for (int axis = 0; axis < 2; ++axis) {

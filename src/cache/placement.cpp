@@ -20,13 +20,11 @@ constexpr float kSameSurfaceCosine = 0.95f;
 // Relative difference of neighbours that the gathers' own resolution explains.
 constexpr float kGatherNoise = 0.01f;
 
-float luminance(const vec3& c) {
-    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
-}
+float luminance(const vec3& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 float largestChange(const Record& r) {
-    return luminance({glm::length(r.translation_r), glm::length(r.translation_g),
-                      glm::length(r.translation_b)});
+    return luminance(
+        {glm::length(r.translation_r), glm::length(r.translation_g), glm::length(r.translation_b)});
 }
 
 class Placer {
@@ -107,8 +105,8 @@ RecordSite Placer::siteAt(int pixel) const {
             .order = order(pixel)};
 }
 
-// The radius a record at a pixel will most likely have: that of the nearest one placed so far, since
-// neighbours on a surface have similar ones, within the bounds that clampedRadius() keeps.
+// The radius a record at a pixel will most likely have: that of the nearest one placed so far,
+// since neighbours on a surface have similar ones, within the bounds that clampedRadius() keeps.
 float Placer::predictedRadius(int pixel) const {
     const vec3 p = position(pixel);
     float nearest = kInfinity;
@@ -237,14 +235,17 @@ void Placer::heedNeighbours(size_t added) {
         const float scale = std::max(fresh.outgoing, other.outgoing);
         const auto allowed = [&](float predicted, float actual) {
             const float error = std::abs(predicted - actual) / scale - kGatherNoise;
-            return error > 0.0f ? distance * std::sqrt(params_.disagreement / error) /
-                                      params_.accuracy
-                                : kInfinity;
+            return error > 0.0f
+                       ? distance * std::sqrt(params_.disagreement / error) / params_.accuracy
+                       : kInfinity;
         };
         if (scale > 0.0f) {
-            const float of_fresh = allowed(predictedOutgoing(fresh.gathered, other.pixel), other.outgoing);
-            const float of_other = allowed(predictedOutgoing(other.gathered, fresh.pixel), fresh.outgoing);
-            record.radius = std::max(std::min(record.radius, of_fresh), leastRadius(fresh.footprint));
+            const float of_fresh =
+                allowed(predictedOutgoing(fresh.gathered, other.pixel), other.outgoing);
+            const float of_other =
+                allowed(predictedOutgoing(other.gathered, fresh.pixel), fresh.outgoing);
+            record.radius =
+                std::max(std::min(record.radius, of_fresh), leastRadius(fresh.footprint));
             limitRadius(other, of_other);
         }
     }
@@ -280,9 +281,11 @@ void Placer::splat(const Record& record, bool add) {
             if (!serves(record.order, order(i))) {
                 continue;
             }
-            const float v = shared::recordWeight(weight_, record.position, record.normal,
-                                                 record.radius, position(i), normal(i), footprint(i));
-            const auto fixed = static_cast<uint32_t>(std::min(v, kWeightLimit) * kWeightScale + 0.5f);
+            const float v =
+                shared::recordWeight(weight_, record.position, record.normal, record.radius,
+                                     position(i), normal(i), footprint(i));
+            const auto fixed =
+                static_cast<uint32_t>(std::min(v, kWeightLimit) * kWeightScale + 0.5f);
             uint32_t& sum = sums_.pixels[static_cast<size_t>(i)];
             sum = add ? sum + fixed : sum - fixed;
         }
@@ -371,7 +374,7 @@ PixelRect sphereBounds(const View& view, int width, int height, const vec3& cent
         const float tangent2 = distance2 - radius * radius;
         low = 0;
         high = size;
-        if (z <= radius || tangent2 <= 0.0f) {
+        if (z <= 1.0001f * radius || tangent2 <= 0.0f) {
             return;  // the sphere reaches behind the eye's plane: no bound on this axis
         }
         const float root = radius * std::sqrt(tangent2);

@@ -35,22 +35,23 @@ struct ShLayout {
     int coefficients() const { return order * order; }
     int gradientCoefficients() const { return gradient_order * gradient_order; }
     int size() const { return 3 * coefficients() + 6 * gradientCoefficients(); }
-    int gradientFirst(int axis) const { return 3 * coefficients() + 3 * axis * gradientCoefficients(); }
+    int gradientFirst(int axis) const {
+        return 3 * coefficients() + 3 * axis * gradientCoefficients();
+    }
 };
 
 /// Bands that carry translation gradients, at most (docs/decisions.md).
 constexpr int kShGradientOrder = 4;
 
 inline ShLayout shLayout(int order) {
-    return {.order = order,
-            .gradient_order = order < kShGradientOrder ? order : kShGradientOrder};
+    return {.order = order, .gradient_order = order < kShGradientOrder ? order : kShGradientOrder};
 }
 
 /// What a gather found at a site, before any clamp of the radius.
 struct GatheredRecord {
-    Record record{};             ///< radius is the harmonic mean distance
-    std::vector<float> sh;       ///< ShLayout; empty for a diffuse record
-    float min_distance = 0;      ///< to the nearest surface seen; infinite if nothing was
+    Record record{};         ///< radius is the harmonic mean distance
+    std::vector<float> sh;   ///< ShLayout; empty for a diffuse record
+    float min_distance = 0;  ///< to the nearest surface seen; infinite if nothing was
 };
 
 /// The cache: records and the coefficients they point into.

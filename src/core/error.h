@@ -12,7 +12,8 @@ namespace sheen {
 /// The program's exit codes.
 enum class ExitCode { kDone = 0, kBug = 1, kUsage = 2, kInput = 3, kEnvironment = 4 };
 
-/// An error with the exit code it leads to. The message is one line: file, where, what, how to mend.
+/// An error with the exit code it leads to. The message is one line: file, where, what, how to
+/// mend.
 class Error : public std::runtime_error {
   public:
     Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
@@ -43,19 +44,19 @@ void warn(const std::string& message);
 
 }  // namespace sheen
 
-#define SHEEN_CHECK(condition)                                       \
-    do {                                                             \
-        if (!(condition)) {                                          \
-            ::sheen::checkFailed(__FILE__, __LINE__, #condition);    \
-        }                                                            \
+#define SHEEN_CHECK(condition)                                    \
+    do {                                                          \
+        if (!(condition)) {                                       \
+            ::sheen::checkFailed(__FILE__, __LINE__, #condition); \
+        }                                                         \
     } while (false)
 
-#define SHEEN_CHECK_EQ(a, b)                                                              \
-    do {                                                                                  \
-        const auto& check_a = (a);                                                        \
-        const auto& check_b = (b);                                                        \
-        if (!(check_a == check_b)) {                                                      \
-            ::sheen::checkFailed(__FILE__, __LINE__,                                      \
+#define SHEEN_CHECK_EQ(a, b)                                                                 \
+    do {                                                                                     \
+        const auto& check_a = (a);                                                           \
+        const auto& check_b = (b);                                                           \
+        if (!(check_a == check_b)) {                                                         \
+            ::sheen::checkFailed(__FILE__, __LINE__,                                         \
                                  fmt::format(#a " == " #b " ({} vs {})", check_a, check_b)); \
-        }                                                                                 \
+        }                                                                                    \
     } while (false)

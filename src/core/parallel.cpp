@@ -27,9 +27,7 @@ void setThreadCount(int threads) {
     }
 }
 
-int threadCount() {
-    return g_threads > 0 ? g_threads : tbb::info::default_concurrency();
-}
+int threadCount() { return g_threads > 0 ? g_threads : tbb::info::default_concurrency(); }
 
 void parallelFor(int count, const std::function<void(int)>& body, int grain) {
     tbb::parallel_for(tbb::blocked_range<int>(0, count, static_cast<size_t>(grain)),

@@ -96,9 +96,8 @@ EGLDisplay openDisplay() {
         }
     }
     if (get_platform_display != nullptr) {
-        candidates.push_back(get_platform_display(EGL_PLATFORM_SURFACELESS_MESA,
-                                                  reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY),
-                                                  nullptr));
+        candidates.push_back(get_platform_display(
+            EGL_PLATFORM_SURFACELESS_MESA, reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr));
     }
     for (EGLDisplay display : candidates) {
         EGLint major = 0;
@@ -128,7 +127,8 @@ class EglContext : public Context {
                                      EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                      EGL_NONE};
-        context_ = count > 0 ? eglCreateContext(display_, config, share, attributes) : EGL_NO_CONTEXT;
+        context_ =
+            count > 0 ? eglCreateContext(display_, config, share, attributes) : EGL_NO_CONTEXT;
         if (context_ == EGL_NO_CONTEXT) {
             throwEnvironment("OpenGL: EGL cannot make an OpenGL 4.5 core context (error {:#x})",
                              eglGetError());
@@ -155,9 +155,7 @@ void* osmesaAddress(const char* name) {
     return reinterpret_cast<void*>(OSMesaGetProcAddress(name));
 }
 
-void* eglAddress(const char* name) {
-    return reinterpret_cast<void*>(eglGetProcAddress(name));
-}
+void* eglAddress(const char* name) { return reinterpret_cast<void*>(eglGetProcAddress(name)); }
 
 }  // namespace
 
@@ -177,7 +175,8 @@ std::unique_ptr<Context> makeContext(Backend backend, Context* share, int thread
     std::unique_ptr<Context> context;
     if (backend == Backend::kOsmesa) {
         auto* other = dynamic_cast<OsmesaContext*>(share);
-        context = std::make_unique<OsmesaContext>(other != nullptr ? other->handle() : nullptr, threads);
+        context =
+            std::make_unique<OsmesaContext>(other != nullptr ? other->handle() : nullptr, threads);
         context->makeCurrent();
         loadFunctions(osmesaAddress);
     } else {
@@ -190,9 +189,7 @@ std::unique_ptr<Context> makeContext(Backend backend, Context* share, int thread
     return context;
 }
 
-std::string rendererName() {
-    return reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-}
+std::string rendererName() { return reinterpret_cast<const char*>(glGetString(GL_RENDERER)); }
 
 void checkErrors() {
     const std::lock_guard<std::mutex> lock(g_error_mutex);

@@ -18,7 +18,8 @@ struct ShaderSource {
 };
 ShaderSource expandIncludes(const std::string& path);
 
-/// A linked vertex + fragment program. Uniforms are set by name; one the compiler removed is ignored.
+/// A linked vertex + fragment program. Uniforms are set by name; one the compiler removed is
+/// ignored.
 class Program {
   public:
     Program() = default;

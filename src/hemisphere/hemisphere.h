@@ -53,17 +53,17 @@ struct HemisphereWall {
 
 struct Hemisphere {
     HemisphereParams params;
-    int width = 0;   ///< of the atlas
+    int width = 0;  ///< of the atlas
     int height = 0;
     std::vector<HemisphereFace> faces;
     // Per texel of the atlas, row by row; solid angles sum to 2 pi and cosines to pi, except where
     // the bare plane leaves a part out.
-    std::vector<vec3> directions;    ///< through the texel's centre
+    std::vector<vec3> directions;  ///< through the texel's centre
     std::vector<float> solid_angles;
-    std::vector<float> cosines;      ///< integral of cos(theta)
-    std::vector<vec2> moments;       ///< integral of the direction's tangential part
-    std::vector<uint8_t> at_horizon; ///< whether the footprint reaches the horizon
-    std::vector<vec2> azimuths;      ///< of those: the azimuths where it does, first < second
+    std::vector<float> cosines;       ///< integral of cos(theta)
+    std::vector<vec2> moments;        ///< integral of the direction's tangential part
+    std::vector<uint8_t> at_horizon;  ///< whether the footprint reaches the horizon
+    std::vector<vec2> azimuths;       ///< of those: the azimuths where it does, first < second
     std::vector<HemisphereWall> walls;
 
     int texelCount() const { return width * height; }

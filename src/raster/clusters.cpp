@@ -10,10 +10,13 @@
 namespace sheen {
 namespace {
 
-constexpr size_t kMaxVertices = 255;   // meshoptimizer's limits
+constexpr size_t kMaxVertices = 255;  // meshoptimizer's limits
 constexpr size_t kMaxTriangles = 512;
-// Tolerated error of the coarser levels, relative to the cluster's size.
-constexpr float kLevelErrors[kLevelsOfDetail] = {0.0f, 0.02f, 0.1f};
+// Tolerated error of the coarser levels, relative to the scene's size.
+constexpr float kLevelErrors[kLevelsOfDetail] = {0.0f, 4e-4f, 1.6e-3f, 6.4e-3f};
+// Separate pieces are put into one cluster only while it stays smaller than this share of the
+// scene.
+constexpr float kClusterSize = 0.06f;
 
 // Maps each vertex to the first one at the same position, so that patches hang together across
 // edges where only normals or texture coordinates are split.
@@ -31,7 +34,37 @@ std::vector<uint32_t> weldedIndices(const Scene& scene) {
     return welded;
 }
 
-// Patches of one material: lists of its triangles.
+// Connected pieces of one material.
+std::vector<std::vector<uint32_t>> connectedPieces(const std::vector<uint32_t>& welded,
+                                                   const std::vector<uint32_t>& triangles) {
+    std::unordered_map<uint32_t, uint32_t> parent;
+    const auto root = [&parent](uint32_t v) {
+        parent.try_emplace(v, v);
+        while (parent[v] != v) {
+            v = parent[v] = parent[parent[v]];
+        }
+        return v;
+    };
+    for (uint32_t t : triangles) {
+        const uint32_t* v = &welded[3 * static_cast<size_t>(t)];
+        const uint32_t a = root(v[0]);
+        parent[root(v[1])] = a;
+        parent[root(v[2])] = a;
+    }
+    std::unordered_map<uint32_t, size_t> piece_of;
+    std::vector<std::vector<uint32_t>> pieces;
+    for (uint32_t t : triangles) {
+        const auto [it, added] =
+            piece_of.try_emplace(root(welded[3 * static_cast<size_t>(t)]), pieces.size());
+        if (added) {
+            pieces.emplace_back();
+        }
+        pieces[it->second].push_back(t);
+    }
+    return pieces;
+}
+
+// Splits one piece that is too large for a cluster into connected patches.
 std::vector<std::vector<uint32_t>> splitIntoPatches(const Scene& scene,
                                                     const std::vector<uint32_t>& welded,
                                                     const std::vector<uint32_t>& triangles) {
@@ -83,54 +116,158 @@ LevelOfDetail appendLevel(const std::vector<uvec3>& triangles,
     return {.first = first, .count = static_cast<uint32_t>(triangles.size()), .error = error};
 }
 
-void appendCluster(const Scene& scene, const std::vector<uint32_t>& patch, ClusteredMesh& mesh) {
-    // The patch on its own, so that the simplifier's cost and scale are the patch's.
-    std::unordered_map<uint32_t, uint32_t> local_of;
-    std::vector<uint32_t> vertex_of;
-    std::vector<vec3> positions;
-    std::vector<uint32_t> indices;
+// Coarser triangles of a patch, as scene vertices. Smooth shading and textures survive because a
+// corner takes, of the vertices at its position, the one whose normal fits the new triangle best.
+class Simplifier {
+  public:
+    Simplifier(const Scene& scene, const std::vector<uint32_t>& welded,
+               const std::vector<uint32_t>& patch)
+        : scene_(scene) {
+        // A textured patch keeps its seams, where a coordinate jumps; others are welded.
+        textured_ = scene.materials[scene.materials_of[patch[0]]].base_color_texture >= 0;
+        std::unordered_map<uint32_t, uint32_t> local_of;
+        for (uint32_t t : patch) {
+            for (int corner = 0; corner < 3; ++corner) {
+                const uint32_t v = scene.triangles[t][corner];
+                const uint32_t representative =
+                    textured_ ? v
+                              : welded[3 * static_cast<size_t>(t) + static_cast<size_t>(corner)];
+                const auto [it, added] =
+                    local_of.try_emplace(representative, static_cast<uint32_t>(positions_.size()));
+                if (added) {
+                    positions_.push_back(scene.positions[v]);
+                    vertices_.emplace_back();
+                }
+                std::vector<uint32_t>& twins = vertices_[it->second];
+                if (std::find(twins.begin(), twins.end(), v) == twins.end()) {
+                    twins.push_back(v);
+                }
+                indices_.push_back(it->second);
+            }
+        }
+        scale_ = meshopt_simplifyScale(&positions_[0].x, positions_.size(), sizeof(vec3));
+    }
+
+    // With an error of at most `error` scene units, which becomes the one that was made.
+    std::vector<uvec3> simplify(float& error) const {
+        std::vector<uint32_t> simple(indices_.size());
+        float relative = 0.0f;
+        simple.resize(meshopt_simplify(simple.data(), indices_.data(), indices_.size(),
+                                       &positions_[0].x, positions_.size(), sizeof(vec3), 0,
+                                       std::min(error / scale_, 1.0f), meshopt_SimplifyLockBorder,
+                                       &relative));
+        error = relative * scale_;
+        std::vector<uvec3> triangles;
+        for (size_t i = 0; i < simple.size(); i += 3) {
+            const vec3 normal = glm::cross(positions_[simple[i + 1]] - positions_[simple[i]],
+                                           positions_[simple[i + 2]] - positions_[simple[i]]);
+            if (glm::dot(normal, normal) > 0.0f) {
+                triangles.emplace_back(bestVertex(simple[i], normal),
+                                       bestVertex(simple[i + 1], normal),
+                                       bestVertex(simple[i + 2], normal));
+            }
+        }
+        return triangles;
+    }
+
+  private:
+    uint32_t bestVertex(uint32_t local, const vec3& normal) const {
+        const std::vector<uint32_t>& twins = vertices_[local];
+        return *std::max_element(twins.begin(), twins.end(), [&](uint32_t a, uint32_t b) {
+            return glm::dot(scene_.normals[a], normal) < glm::dot(scene_.normals[b], normal);
+        });
+    }
+
+    const Scene& scene_;
+    bool textured_ = false;
+    std::vector<vec3> positions_;                  // [local vertex]
+    std::vector<std::vector<uint32_t>> vertices_;  // the scene's vertices there
+    std::vector<uint32_t> indices_;
+    float scale_ = 1.0f;
+};
+
+void appendCluster(const Scene& scene, const std::vector<uint32_t>& welded,
+                   const std::vector<uint32_t>& patch, ClusteredMesh& mesh) {
     std::vector<uvec3> triangles;
     Bounds bounds;
     for (uint32_t t : patch) {
         triangles.push_back(scene.triangles[t]);
         for (int corner = 0; corner < 3; ++corner) {
-            const uint32_t v = scene.triangles[t][corner];
-            const auto [it, added] = local_of.try_emplace(v, static_cast<uint32_t>(vertex_of.size()));
-            if (added) {
-                vertex_of.push_back(v);
-                positions.push_back(scene.positions[v]);
-                bounds.add(scene.positions[v]);
-            }
-            indices.push_back(it->second);
+            bounds.add(scene.positions[scene.triangles[t][corner]]);
         }
     }
     Cluster cluster;
     cluster.center = bounds.center();
     cluster.radius = 0.5f * bounds.size();
     cluster.levels[0] = appendLevel(triangles, patch, 0.0f, mesh);
-    const float scale =
-        meshopt_simplifyScale(&positions[0].x, positions.size(), sizeof(vec3));
+    const Simplifier simplifier(scene, welded, patch);
     for (int level = 1; level < kLevelsOfDetail; ++level) {
         cluster.levels[level] = cluster.levels[level - 1];
-        std::vector<uint32_t> simple(indices.size());
-        float error = 0.0f;
-        simple.resize(meshopt_simplify(simple.data(), indices.data(), indices.size(),
-                                       &positions[0].x, positions.size(), sizeof(vec3), 0,
-                                       kLevelErrors[level], meshopt_SimplifyLockBorder, &error));
+        float error = kLevelErrors[level] * scene.bounds.size();
+        const std::vector<uvec3> coarse = simplifier.simplify(error);
         // A level that saves little is not worth lighting.
-        if (simple.empty() || 3 * cluster.levels[level].count * 3 < simple.size() * 4) {
-            continue;
+        if (!coarse.empty() && 4 * coarse.size() <= 3 * cluster.levels[level].count) {
+            // All of one material, so any triangle of the patch stands for where they came from.
+            cluster.levels[level] =
+                appendLevel(coarse, std::vector<uint32_t>(coarse.size(), patch[0]), error, mesh);
         }
-        std::vector<uvec3> coarse;
-        for (size_t i = 0; i < simple.size(); i += 3) {
-            coarse.emplace_back(vertex_of[simple[i]], vertex_of[simple[i + 1]],
-                                vertex_of[simple[i + 2]]);
-        }
-        // All of one material, so any triangle of the patch stands for where they came from.
-        cluster.levels[level] =
-            appendLevel(coarse, std::vector<uint32_t>(coarse.size(), patch[0]), error * scale, mesh);
     }
     mesh.clusters.push_back(cluster);
+}
+
+// Appends clusters of one material: large pieces split, small ones packed with their neighbours.
+void appendClusters(const Scene& scene, const std::vector<uint32_t>& welded,
+                    const std::vector<uint32_t>& triangles, ClusteredMesh& mesh) {
+    struct Piece {
+        std::vector<uint32_t> triangles;
+        Bounds bounds;
+    };
+    std::vector<Piece> small;
+    for (std::vector<uint32_t>& piece : connectedPieces(welded, triangles)) {
+        if (piece.size() > kMaxTriangles) {
+            for (const std::vector<uint32_t>& patch : splitIntoPatches(scene, welded, piece)) {
+                appendCluster(scene, welded, patch, mesh);
+            }
+            continue;
+        }
+        Bounds bounds;
+        for (uint32_t t : piece) {
+            for (int corner = 0; corner < 3; ++corner) {
+                bounds.add(scene.positions[scene.triangles[t][corner]]);
+            }
+        }
+        small.push_back({std::move(piece), bounds});
+    }
+    std::vector<vec3> centers;
+    for (const Piece& piece : small) {
+        centers.push_back(piece.bounds.center());
+    }
+    std::vector<uint32_t> rank(small.size());
+    if (!small.empty()) {
+        meshopt_spatialSortRemap(rank.data(), &centers[0].x, centers.size(), sizeof(vec3));
+    }
+    std::vector<uint32_t> order(small.size());
+    for (size_t i = 0; i < small.size(); ++i) {
+        order[rank[i]] = static_cast<uint32_t>(i);
+    }
+    std::vector<uint32_t> patch;
+    Bounds bounds;
+    for (uint32_t i : order) {
+        Bounds together = bounds;
+        together.add(small[i].bounds.lower);
+        together.add(small[i].bounds.upper);
+        if (!patch.empty() && (patch.size() + small[i].triangles.size() > kMaxTriangles ||
+                               together.size() > kClusterSize * scene.bounds.size())) {
+            appendCluster(scene, welded, patch, mesh);
+            patch.clear();
+            together = small[i].bounds;
+        }
+        patch.insert(patch.end(), small[i].triangles.begin(), small[i].triangles.end());
+        bounds = together;
+    }
+    if (!patch.empty()) {
+        appendCluster(scene, welded, patch, mesh);
+    }
 }
 
 }  // namespace
@@ -143,11 +280,8 @@ ClusteredMesh buildClusters(const Scene& scene) {
         by_material[scene.materials_of[t]].push_back(static_cast<uint32_t>(t));
     }
     for (const std::vector<uint32_t>& triangles : by_material) {
-        if (triangles.empty()) {
-            continue;
-        }
-        for (const std::vector<uint32_t>& patch : splitIntoPatches(scene, welded, triangles)) {
-            appendCluster(scene, patch, mesh);
+        if (!triangles.empty()) {
+            appendClusters(scene, welded, triangles, mesh);
         }
     }
     return mesh;

@@ -16,7 +16,7 @@ struct LevelOfDetail {
     float error = 0;  ///< greatest distance from the true surface, scene units; 0 for the finest
 };
 
-constexpr int kLevelsOfDetail = 3;
+constexpr int kLevelsOfDetail = 4;
 
 struct Cluster {
     vec3 center{};

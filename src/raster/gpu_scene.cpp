@@ -28,7 +28,7 @@ struct PackedTriangle {
     float uv2_y;
     uint32_t scene_triangle;
     uint32_t light_texel;
-    uint32_t pad;
+    float lod_error;
 };
 static_assert(sizeof(PackedTriangle) == 7 * 16);
 
@@ -65,7 +65,7 @@ std::vector<PackedTriangle> packTriangles(const Scene& scene, const ClusteredMes
                           .uv2_y = scene.uvs[v.z].y,
                           .scene_triangle = t,
                           .light_texel = 0,
-                          .pad = 0});
+                          .lod_error = 0.0f});
     }
     return packed;
 }
@@ -148,15 +148,22 @@ GpuScene uploadScene(const Scene& scene) {
     if (!indices.empty()) {
         std::vector<uint32_t> remap(scene.positions.size());
         positions.resize(meshopt_generateVertexRemap(remap.data(), indices.data(), indices.size(),
-                                                     scene.positions.data(),
-                                                     scene.positions.size(), sizeof(vec3)));
-        meshopt_remapVertexBuffer(positions.data(), scene.positions.data(),
-                                  scene.positions.size(), sizeof(vec3), remap.data());
+                                                     scene.positions.data(), scene.positions.size(),
+                                                     sizeof(vec3)));
+        meshopt_remapVertexBuffer(positions.data(), scene.positions.data(), scene.positions.size(),
+                                  sizeof(vec3), remap.data());
         meshopt_remapIndexBuffer(indices.data(), indices.data(), indices.size(), remap.data());
     }
     std::vector<uint32_t> identity(mesh.triangles.size());
     std::iota(identity.begin(), identity.end(), 0u);
     std::vector<PackedTriangle> packed = packTriangles(scene, mesh);
+    for (const Cluster& cluster : mesh.clusters) {
+        for (const LevelOfDetail& level : cluster.levels) {
+            for (uint32_t i = level.first; i < level.first + level.count; ++i) {
+                packed[i].lod_error = level.error;
+            }
+        }
+    }
     gpu.lit_triangles = layOutSurfaceLight(scene, mesh);
     uint32_t light_texel = 0;
     for (size_t i = 0; i < packed.size(); ++i) {

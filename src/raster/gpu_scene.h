@@ -84,7 +84,8 @@ class ClusterDrawer {
     std::vector<DrawCommand> commands_;
 };
 
-/// Defines that every shader including raster/direct.glsl needs; `taps` of the shadow filter: 1 or 4.
+/// Defines that every shader including raster/direct.glsl needs; `taps` of the shadow filter: 1
+/// or 4.
 std::vector<std::string> shadingDefines(int taps);
 /// Binds the buffers and textures that raster/direct.glsl reads and sets its uniforms.
 void bindShading(const GpuScene& gpu, const gl::Program& program);

@@ -44,12 +44,13 @@ void packLevels(const LitTriangle& t, const vec4* front, const vec4* back, uvec4
                 for (int x = 0; x < size; ++x) {
                     vec4 sum(0.0f);
                     for (int k = 0; k < 4; ++k) {
-                        const vec4& texel =
-                            (*side)[static_cast<size_t>((2 * y + k / 2) * 2 * size + 2 * x + k % 2)];
+                        const vec4& texel = (*side)[static_cast<size_t>((2 * y + k / 2) * 2 * size +
+                                                                        2 * x + k % 2)];
                         sum += vec4(vec3(texel) * texel.w, texel.w);
                     }
                     const float scale = sum.w > 0.0f ? 1.0f / sum.w : 0.0f;
-                    next[static_cast<size_t>(y) * size + x] = vec4(vec3(sum) * scale, 0.25f * sum.w);
+                    next[static_cast<size_t>(y) * size + x] =
+                        vec4(vec3(sum) * scale, 0.25f * sum.w);
                 }
             }
             *side = std::move(next);

@@ -72,8 +72,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
 
     Timer gbuffer_timer;
     const GBuffer gbuffer = renderGBuffer(pool, scene, gpu, camera, params.width, params.height);
-    const PixelClasses classes =
-        classifyPixels(scene, gbuffer, params.sh_order, irradiance_only);
+    const PixelClasses classes = classifyPixels(scene, gbuffer, params.sh_order, irradiance_only);
     const PixelLobes lobes = buildLobes(gbuffer, classes);
     seconds.gbuffer = gbuffer_timer.seconds();
 
@@ -91,8 +90,8 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     seconds.placement = placement_timer.seconds() - seconds.gather - seconds.project;
 
     Timer splat_timer;
-    const SplatBuffer splat = splatGpu(pool, gbuffer, classes, lobes, placement.cache,
-                                       params.placement.weight());
+    const SplatBuffer splat =
+        splatGpu(pool, gbuffer, classes, lobes, placement.cache, params.placement.weight());
     seconds.splat = splat_timer.seconds();
 
     Timer compose_timer;

@@ -22,7 +22,7 @@ struct RenderParams {
     std::string camera;  ///< name or index; empty: the scene's first
     // The cached methods.
     PlacementParams placement;
-    int sh_order = 0;        ///< 0: chosen per material
+    int sh_order = 0;  ///< 0: chosen per material
     HemisphereParams gather;
     // The reference.
     int bounces = 1;
@@ -48,15 +48,15 @@ struct StageSeconds {
 struct RenderStats {
     int records = 0;
     StageSeconds seconds;
-    int pixels_geometry = 0;     ///< pixels that see geometry
-    int pixels_uncovered = 0;    ///< of these, without any record
+    int pixels_geometry = 0;   ///< pixels that see geometry
+    int pixels_uncovered = 0;  ///< of these, without any record
     int nonfinite_pixels = 0;
-    int negative_pixels = 0;     ///< clamped at compose
-    double diffuse_share = 0;    ///< of pixels_geometry, classified as diffuse
-    double too_glossy_share = 0; ///< of pixels_geometry, smoother than the highest order resolves
+    int negative_pixels = 0;      ///< clamped at compose
+    double diffuse_share = 0;     ///< of pixels_geometry, classified as diffuse
+    double too_glossy_share = 0;  ///< of pixels_geometry, smoother than the highest order resolves
     std::vector<MaterialOrder> sh_order;
-    std::string gl_renderer;     ///< empty for the reference
-    double mrays_per_second = 0; ///< reference only
+    std::string gl_renderer;      ///< empty for the reference
+    double mrays_per_second = 0;  ///< reference only
 };
 
 struct RenderResult {

@@ -22,9 +22,7 @@ vec2 sample(int x, int y) {
 
 }  // namespace
 
-const float* brdfAlbedoTable() {
-    return kTable;
-}
+const float* brdfAlbedoTable() { return kTable; }
 
 vec2 brdfAlbedo(float NoV, float roughness) {
     const vec2 coord = shared::albedoTableCoord(NoV, roughness);

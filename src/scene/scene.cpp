@@ -33,9 +33,9 @@ const Camera& findCamera(const Scene& scene, const std::string& name) {
 CameraRay cameraRay(const Camera& camera, int width, int height, float x, float y) {
     const float tan_half = std::tan(0.5f * camera.y_fov);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
-    const vec3 direction_camera((2.0f * (x + 0.5f) / static_cast<float>(width) - 1.0f) * tan_half * aspect,
-                                (1.0f - 2.0f * (y + 0.5f) / static_cast<float>(height)) * tan_half,
-                                -1.0f);
+    const vec3 direction_camera(
+        (2.0f * (x + 0.5f) / static_cast<float>(width) - 1.0f) * tan_half * aspect,
+        (1.0f - 2.0f * (y + 0.5f) / static_cast<float>(height)) * tan_half, -1.0f);
     return {.origin = vec3(camera.world_from_camera[3]),
             .direction = glm::normalize(mat3(camera.world_from_camera) * direction_camera)};
 }

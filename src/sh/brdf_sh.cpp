@@ -18,9 +18,7 @@ static_assert(sizeof(kTable) == sizeof(float) * kStride * kBrdfShMu * kBrdfShRou
 
 // Typical amplitude of indirect light's coefficients in band l, relative to what constant light has
 // in band 0: measured on records of the project's scenes (docs/decisions.md).
-float lightAmplitude(int l) {
-    return std::pow(static_cast<float>(l + 1), -1.3f);
-}
+float lightAmplitude(int l) { return std::pow(static_cast<float>(l + 1), -1.3f); }
 
 }  // namespace
 
@@ -89,8 +87,8 @@ void BrdfRotator::rotate(const BrdfShSample& lobe, float f0, float f90, const ve
     const float side_length = glm::length(side);
     // Seen along the normal the lobe is symmetric about it, and any tangent will do.
     const vec3 helper = std::abs(n.x) < 0.9f ? vec3(1, 0, 0) : vec3(0, 1, 0);
-    const vec3 t = side_length > 1e-5f ? side / side_length
-                                       : glm::normalize(helper - glm::dot(helper, n) * n);
+    const vec3 t =
+        side_length > 1e-5f ? side / side_length : glm::normalize(helper - glm::dot(helper, n) * n);
     const int count = order_ * order_;
     std::fill(coefficients, coefficients + count, 0.0f);
     for (int i = 0; i < order_; ++i) {
@@ -121,7 +119,7 @@ LobePrediction predictLobeError(float NoV, float roughness) {
     for (int l = 0; l < shared::SH_MAX_ORDER; ++l) {
         // Coefficients of a cosine lobe with the same albedo: bands of max(z, 0) are zonal.
         // [RH01, eq. 19]
-        const float cosine_band[] = {1.0f, 1.1547005f, 0.5590170f, 0.0f, -0.125f,
+        const float cosine_band[] = {1.0f, 1.1547005f, 0.5590170f, 0.0f,        -0.125f,
                                      0.0f, 0.0563372f, 0.0f,       -0.0322118f, 0.0f};
         float power = 0.0f;
         float difference = 0.0f;

@@ -1,7 +1,7 @@
 // Spherical harmonics of the BRDF's specular lobe times the cosine, seen from one direction: what a
 // record's coefficients are multiplied with. The table is made when the project is built
-// (make_brdf_sh.cpp): bands 0-9 in the view-aligned frame (z the normal, the viewer in the xz plane,
-// x > 0), where an isotropic lobe mirrors in y and only m >= 0 is needed.
+// (make_brdf_sh.cpp): bands 0-9 in the view-aligned frame (z the normal, the viewer in the xz
+// plane, x > 0), where an isotropic lobe mirrors in y and only m >= 0 is needed.
 #pragma once
 
 #include <vector>
@@ -29,15 +29,15 @@ class BrdfRotator {
     /// For lobes of `order` bands, 1..SH_MAX_ORDER.
     explicit BrdfRotator(int order);
 
-    /// World-space coefficients [l (l + 1) + m] of the lobe F0 * a + F90 * b with scalar F0 and F90,
-    /// on a surface with normal n seen from wo (unit, world space).
+    /// World-space coefficients [l (l + 1) + m] of the lobe F0 * a + F90 * b with scalar F0 and
+    /// F90, on a surface with normal n seen from wo (unit, world space).
     void rotate(const BrdfShSample& lobe, float f0, float f90, const vec3& n, const vec3& wo,
                 float* coefficients) const;
 
   private:
     int order_;
-    std::vector<vec2> axes_;       // (sine, cosine) of the zonal directions from the normal
-    std::vector<float> weights_;   // [l][m][direction]
+    std::vector<vec2> axes_;      // (sine, cosine) of the zonal directions from the normal
+    std::vector<float> weights_;  // [l][m][direction]
 };
 
 /// Relative error, through a lobe, of light whose bands fall off as in kLightFalloff: predicted RMS

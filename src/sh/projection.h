@@ -15,7 +15,7 @@ struct ProjectionParams {
     int order = 4;
     float band_degrees = 30.0f;  ///< how far the band reaches below the horizon
     float band_weight = 0.1f;
-    float ridge = 1e-4f;         ///< on bands l > 0 only: constant light is reproduced exactly
+    float ridge = 1e-4f;  ///< on bands l > 0 only: constant light is reproduced exactly
 };
 
 /// Coefficients [coefficient][texel] in the record's local frame: c = matrix * radiance.

@@ -56,8 +56,8 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
                 // The diffuse class: the lobe acts as a cosine of the same albedo.
                 const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(position));
                 const vec2 ab = brdfAlbedo(glm::dot(vec3(normal), wo), normal.w);
-                specular = (vec3(gbuffer.f0.at(x, y)) * ab.x + vec3(diffuse.w * ab.y)) * irradiance /
-                           kPi;
+                specular =
+                    (vec3(gbuffer.f0.at(x, y)) * ab.x + vec3(diffuse.w * ab.y)) * irradiance / kPi;
             }
             vec3 diffuse_part = vec3(diffuse) * irradiance / kPi;
             if (!finite(diffuse_part) || !finite(specular)) {

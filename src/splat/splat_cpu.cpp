@@ -26,7 +26,8 @@ SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const 
                     const float* lobe =
                         &lobes.coefficients[static_cast<size_t>(lobes.first.at(x, y))];
                     const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
-                    result.specular.at(x, y) += vec4(w * convolveRecord(k, sh, lobe, order, p), 0.0f);
+                    result.specular.at(x, y) +=
+                        vec4(w * convolveRecord(k, sh, lobe, order, p), 0.0f);
                 }
             }
         }

@@ -20,7 +20,8 @@ void drawPass(const gl::Program& program, const GBuffer& gbuffer, const WeightPa
 }  // namespace
 
 SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelClasses& classes,
-                     const PixelLobes& lobes, const RecordCache& cache, const WeightParams& weight) {
+                     const PixelLobes& lobes, const RecordCache& cache,
+                     const WeightParams& weight) {
     using namespace gl;
     const int width = gbuffer.width;
     const int height = gbuffer.height;
