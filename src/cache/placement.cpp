@@ -219,6 +219,7 @@ void Placer::heedNeighbours(size_t added) {
     if (params_.disagreement <= 0.0f) {
         return;
     }
+    const float tolerated = params_.disagreement * params_.accuracy;
     Placed& fresh = placed_[added];
     Record& record = fresh.gathered.record;
     for (size_t j = 0; j < added; ++j) {
@@ -235,9 +236,8 @@ void Placer::heedNeighbours(size_t added) {
         const float scale = std::max(fresh.outgoing, other.outgoing);
         const auto allowed = [&](float predicted, float actual) {
             const float error = std::abs(predicted - actual) / scale - kGatherNoise;
-            return error > 0.0f
-                       ? distance * std::sqrt(params_.disagreement / error) / params_.accuracy
-                       : kInfinity;
+            return error > 0.0f ? distance * std::sqrt(tolerated / error) / params_.accuracy
+                                : kInfinity;
         };
         if (scale > 0.0f) {
             const float of_fresh =

@@ -14,14 +14,14 @@
 namespace sheen {
 
 struct PlacementParams {
-    float accuracy = 0.15f;      ///< Ward's a
-    float normal_weight = 1.0f;  ///< k_n of the weight function
+    float accuracy = 0.5f;       ///< Ward's a
+    float normal_weight = 4.0f;  ///< k_n of the weight function
     float slab = 0.1f;           ///< c of the weight function
-    float min_pixels = 3.0f;     ///< least reach a R, in footprints of the record's pixel
+    float min_pixels = 6.0f;     ///< least reach a R, in footprints of the record's pixel
     float max_pixels = 40.0f;    ///< greatest reach
     bool neighbour_clamping = true;
-    float disagreement = 0.05f;   ///< relative error at which a record's reach should end, as
-                                  ///< judged by its neighbours; 0: do not ask them
+    float disagreement = 0.2f;    ///< times `accuracy`: relative error at which a record's reach
+                                  ///< should end, as judged by its neighbours; 0: not asked
     int batch = 64;               ///< sites chosen and gathered at once
     int coarsest_stride = 16;     ///< of the grids that are scanned: a power of two
     float gradient_limit = 0.5f;  ///< greatest extrapolated change relative to the value

@@ -38,7 +38,7 @@ struct RenderOptions {
     std::string size = "512x512";
     std::string method = "radiance";
     std::string sh_order = "auto";
-    std::string gather = "border";
+    std::string gather = "hemicube";
     std::string exposure = "auto";
     std::string layers = "basic";
     std::string json;
@@ -102,9 +102,9 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                            "material"),
             {Method::kRadiance});
     limited(app.add_option("--gather", o.gather,
-                           "radiance, irradiance: how a record sees its hemisphere: one plane with "
-                           "its border stretched to the horizon (border), bare (plane), rescaled "
-                           "(larsen), or a hemicube")
+                           "radiance, irradiance: how a record sees its hemisphere: a hemicube, or "
+                           "one plane with its border stretched to the horizon (border), bare "
+                           "(plane) or rescaled (larsen)")
                 ->check(CLI::IsMember(keysOf(kHemispheres))),
             cached);
     limited(app.add_option("--gather-size", p.gather.size,

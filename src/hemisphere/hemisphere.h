@@ -21,8 +21,8 @@ namespace sheen {
 enum class HemisphereKind { kBorder, kPlane, kLarsen, kHemicube };
 
 struct HemisphereParams {
-    HemisphereKind kind = HemisphereKind::kBorder;
-    int size = 64;        ///< texels along a side of the plane
+    HemisphereKind kind = HemisphereKind::kHemicube;
+    int size = 40;        ///< texels along a side of the plane
     float extent = 3.0f;  ///< half-extent of the plane at distance 1; a hemicube's is always 1
 };
 
