@@ -119,7 +119,7 @@ std::vector<GatheredRecord> Gatherer::gather(std::span<const RecordSite> sites) 
                                                     frame * f.forward, near_));
                 }
             }
-            w.drawer.setViews(views);
+            w.drawer.setViews(gpu_, views, lod_tolerance_);
             refillBuffer(w.views, std::span<const View>(views));
             glBindFramebuffer(GL_FRAMEBUFFER, w.first.name());
             const GLuint none[4] = {0, 0, 0, 0};
@@ -131,7 +131,7 @@ std::vector<GatheredRecord> Gatherer::gather(std::span<const RecordSite> sites) 
                 for (int f = 0; f < faces; ++f) {
                     const HemisphereFace& face = hemisphere_.faces[static_cast<size_t>(f)];
                     glViewport(i * hemisphere_.width + face.x, face.y, face.width, face.height);
-                    w.drawer.draw(gpu_, i * faces + f, lod_tolerance_);
+                    w.drawer.draw(i * faces + f);
                 }
             }
             glDisable(GL_DEPTH_TEST);

@@ -35,6 +35,7 @@
     X(PFNGLDISABLEPROC, glDisable)                                                 \
     X(PFNGLDRAWARRAYSINSTANCEDBASEINSTANCEPROC, glDrawArraysInstancedBaseInstance) \
     X(PFNGLDRAWARRAYSPROC, glDrawArrays)                                           \
+    X(PFNGLDRAWELEMENTSPROC, glDrawElements)                   \
     X(PFNGLENABLEPROC, glEnable)                                                   \
     X(PFNGLENABLEVERTEXARRAYATTRIBPROC, glEnableVertexArrayAttrib)                 \
     X(PFNGLFINISHPROC, glFinish)                                                   \
@@ -48,7 +49,6 @@
     X(PFNGLGETSTRINGPROC, glGetString)                                             \
     X(PFNGLGETUNIFORMLOCATIONPROC, glGetUniformLocation)                           \
     X(PFNGLLINKPROGRAMPROC, glLinkProgram)                                         \
-    X(PFNGLMULTIDRAWELEMENTSINDIRECTPROC, glMultiDrawElementsIndirect)             \
     X(PFNGLNAMEDBUFFERDATAPROC, glNamedBufferData)                                 \
     X(PFNGLNAMEDBUFFERSUBDATAPROC, glNamedBufferSubData)                           \
     X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, glNamedFramebufferDrawBuffers)         \
@@ -74,8 +74,6 @@
     X(PFNGLUSEPROGRAMPROC, glUseProgram)                                           \
     X(PFNGLVERTEXARRAYATTRIBBINDINGPROC, glVertexArrayAttribBinding)               \
     X(PFNGLVERTEXARRAYATTRIBFORMATPROC, glVertexArrayAttribFormat)                 \
-    X(PFNGLVERTEXARRAYATTRIBIFORMATPROC, glVertexArrayAttribIFormat)               \
-    X(PFNGLVERTEXARRAYBINDINGDIVISORPROC, glVertexArrayBindingDivisor)             \
     X(PFNGLVERTEXARRAYELEMENTBUFFERPROC, glVertexArrayElementBuffer)               \
     X(PFNGLVERTEXARRAYVERTEXBUFFERPROC, glVertexArrayVertexBuffer)                 \
     X(PFNGLVIEWPORTPROC, glViewport)

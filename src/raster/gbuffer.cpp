@@ -33,7 +33,7 @@ GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& 
         const GLuint visibility_name = visibility.name();
         const Framebuffer first = makeFramebuffer({&visibility_name, 1}, depth.name());
         ClusterDrawer drawer(gpu, "raster/visibility.frag");
-        drawer.setViews({&view, 1});
+        drawer.setViews(gpu, {&view, 1});
         glViewport(0, 0, width, height);
         glBindFramebuffer(GL_FRAMEBUFFER, first.name());
         const GLuint none[4] = {0, 0, 0, 0};
@@ -41,7 +41,7 @@ GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& 
         glClearNamedFramebufferuiv(first.name(), GL_COLOR, 0, none);
         glClearNamedFramebufferfv(first.name(), GL_DEPTH, 0, &far_depth);
         glEnable(GL_DEPTH_TEST);
-        drawer.draw(gpu, 0);
+        drawer.draw(0);
         glDisable(GL_DEPTH_TEST);
 
         gl::Texture colors[kTargets];

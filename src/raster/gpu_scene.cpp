@@ -4,7 +4,6 @@
 
 #include <cstring>
 #include <glm/gtc/packing.hpp>
-#include <numeric>
 
 #include "scene/brdf_albedo.h"
 
@@ -154,8 +153,6 @@ GpuScene uploadScene(const Scene& scene) {
                                   sizeof(vec3), remap.data());
         meshopt_remapIndexBuffer(indices.data(), indices.data(), indices.size(), remap.data());
     }
-    std::vector<uint32_t> identity(mesh.triangles.size());
-    std::iota(identity.begin(), identity.end(), 0u);
     std::vector<PackedTriangle> packed = packTriangles(scene, mesh);
     for (const Cluster& cluster : mesh.clusters) {
         for (const LevelOfDetail& level : cluster.levels) {
@@ -171,8 +168,7 @@ GpuScene uploadScene(const Scene& scene) {
         light_texel += 1u << (2 * gpu.lit_triangles[i].log2_size);
     }
     gpu.positions = gl::makeBuffer(std::span<const vec3>(positions));
-    gpu.indices = gl::makeBuffer(std::span<const uint32_t>(indices));
-    gpu.identity = gl::makeBuffer(std::span<const uint32_t>(identity));
+    gpu.indices = std::move(indices);
     gpu.triangles = gl::makeBuffer(std::span<const PackedTriangle>(packed));
     gpu.lit_triangle_buffer = gl::makeBuffer(std::span<const LitTriangle>(gpu.lit_triangles));
     gpu.lights = gl::makeBuffer(std::span<const PunctualLight>(scene.lights));
@@ -190,60 +186,55 @@ ClusterDrawer::ClusterDrawer(const GpuScene& gpu, const char* fragment)
     glVertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, 0);
     glVertexArrayAttribBinding(array, 0, 0);
     glEnableVertexArrayAttrib(array, 0);
-    glVertexArrayVertexBuffer(array, 1, gpu.identity.name(), 0, sizeof(uint32_t));
-    glVertexArrayAttribIFormat(array, 1, 1, GL_UNSIGNED_INT, 0);
-    glVertexArrayAttribBinding(array, 1, 1);
-    glVertexArrayBindingDivisor(array, 1, 1);
-    glEnableVertexArrayAttrib(array, 1);
-    glVertexArrayElementBuffer(array, gpu.indices.name());
     view_buffer_ = makeBuffer(std::span<const View>());
-    command_buffer_ = makeBuffer(std::span<const DrawCommand>());
+    index_buffer_ = makeBuffer(std::span<const uint32_t>());
+    triangle_buffer_ = makeBuffer(std::span<const uint32_t>());
+    glVertexArrayElementBuffer(array, index_buffer_.name());
 }
 
-void ClusterDrawer::setViews(std::span<const View> views) {
-    views_.assign(views.begin(), views.end());
-    gl::refillBuffer(view_buffer_, views);
-}
-
-void ClusterDrawer::draw(const GpuScene& gpu, int index, float tolerance) {
-    using namespace gl;
-    const View& view = views_[static_cast<size_t>(index)];
-    commands_.clear();
-    uint32_t end = 0;  // triangle after the last one drawn: adjacent runs become one command
-    for (const Cluster& cluster : gpu.clusters) {
-        if (view.kind == shared::VIEW_PERSPECTIVE &&
-            !sphereInView(view, cluster.center, cluster.radius)) {
-            continue;
-        }
-        const float distance = glm::length(cluster.center - view.origin) - cluster.radius;
-        const LevelOfDetail* level = &cluster.levels[0];
-        for (const LevelOfDetail& coarser : cluster.levels) {
-            if (coarser.error <= tolerance * distance) {
-                level = &coarser;
+void ClusterDrawer::setViews(const GpuScene& gpu, std::span<const View> views, float tolerance) {
+    std::vector<uint32_t> indices;
+    std::vector<uint32_t> triangles;
+    first_triangles_.clear();
+    for (const View& view : views) {
+        first_triangles_.push_back(static_cast<int>(triangles.size()));
+        for (const Cluster& cluster : gpu.clusters) {
+            if (view.kind == shared::VIEW_PERSPECTIVE &&
+                !sphereInView(view, cluster.center, cluster.radius)) {
+                continue;
+            }
+            const float distance = glm::length(cluster.center - view.origin) - cluster.radius;
+            const LevelOfDetail* level = &cluster.levels[0];
+            for (const LevelOfDetail& coarser : cluster.levels) {
+                if (coarser.error <= tolerance * distance) {
+                    level = &coarser;
+                }
+            }
+            const auto first = gpu.indices.begin() + 3 * static_cast<ptrdiff_t>(level->first);
+            indices.insert(indices.end(), first, first + 3 * static_cast<ptrdiff_t>(level->count));
+            for (uint32_t i = level->first; i < level->first + level->count; ++i) {
+                triangles.push_back(i);
             }
         }
-        if (!commands_.empty() && end == level->first) {
-            commands_.back().count += 3 * level->count;
-        } else {
-            commands_.push_back({.count = 3 * level->count,
-                                 .instance_count = 1,
-                                 .first_index = 3 * level->first,
-                                 .base_vertex = 0,
-                                 .base_instance = level->first});
-        }
-        end = level->first + level->count;
     }
-    if (commands_.empty()) {
-        return;
-    }
-    refillBuffer(command_buffer_, std::span<const DrawCommand>(commands_));
+    first_triangles_.push_back(static_cast<int>(triangles.size()));
+    gl::refillBuffer(view_buffer_, views);
+    gl::refillBuffer(index_buffer_, std::span<const uint32_t>(indices));
+    gl::refillBuffer(triangle_buffer_, std::span<const uint32_t>(triangles));
+}
+
+void ClusterDrawer::draw(int index) {
+    using namespace gl;
+    const int first = first_triangles_[static_cast<size_t>(index)];
+    const int count = first_triangles_[static_cast<size_t>(index) + 1] - first;
     program_.use();
     program_.set("view_index", index);
+    program_.set("first_drawn", first);
     glBindVertexArray(vertex_array_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, view_buffer_.name());
-    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command_buffer_.name());
-    glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr,
-                                static_cast<GLsizei>(commands_.size()), 0);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, triangle_buffer_.name());
+    glDrawElements(GL_TRIANGLES, 3 * count, GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(static_cast<uintptr_t>(first) * 12));
 }
 
 void bindShading(const GpuScene& gpu, const gl::Program& program) {

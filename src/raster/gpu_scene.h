@@ -26,8 +26,7 @@ struct GpuScene {
     std::vector<Cluster> clusters;
     int light_count = 0;
     gl::Buffer positions;
-    gl::Buffer indices;
-    gl::Buffer identity;  ///< 0, 1, 2 ...: names a draw's first triangle through baseInstance
+    std::vector<uint32_t> indices;  ///< into positions, three a triangle
     gl::Buffer triangles;
     gl::Buffer materials;
     gl::Buffer texels;
@@ -63,25 +62,21 @@ class ClusterDrawer {
     ClusterDrawer() = default;
     /// `fragment`: the fragment shader under shaders/.
     ClusterDrawer(const GpuScene& gpu, const char* fragment);
-    /// Uploads the views that draw() names by index.
-    void setViews(std::span<const View> views);
-    /// Draws what `views[index]` may see of `gpu` into the current framebuffer and viewport, each
-    /// cluster at the coarsest level whose error is seen at an angle of at most `tolerance`
+    /// Sets the views that draw() names by index, and finds what each may see: every cluster in its
+    /// frustum, at the coarsest level whose error is seen at an angle of at most `tolerance`
     /// radians; 0: the finest.
-    void draw(const GpuScene& gpu, int index, float tolerance = 0.0f);
+    void setViews(const GpuScene& gpu, std::span<const View> views, float tolerance = 0.0f);
+    /// Draws one view into the current framebuffer and viewport, in one call: a draw a cluster
+    /// would cost more than copying indices does.
+    void draw(int index);
 
   private:
-    struct DrawCommand {
-        uint32_t count, instance_count, first_index;
-        int32_t base_vertex;
-        uint32_t base_instance;
-    };
     gl::Program program_;
     gl::VertexArray vertex_array_;
     gl::Buffer view_buffer_;
-    gl::Buffer command_buffer_;
-    std::vector<View> views_;
-    std::vector<DrawCommand> commands_;
+    gl::Buffer index_buffer_;
+    gl::Buffer triangle_buffer_;  // which triangle each drawn one is
+    std::vector<int> first_triangles_;  // of each view, and the end of the last
 };
 
 /// Defines that every shader including raster/direct.glsl needs; `taps` of the shadow filter: 1

@@ -113,7 +113,7 @@ void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {
     });
     pool.run([&](int worker) {
         ClusterDrawer drawer(gpu, "raster/depth.frag");
-        drawer.setViews(views);
+        drawer.setViews(gpu, views);
         glEnable(GL_DEPTH_TEST);
         glViewport(0, 0, resolution, resolution);
         for (int i = worker; i < static_cast<int>(views.size()); i += pool.size()) {
@@ -124,7 +124,7 @@ void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {
             glBindFramebuffer(GL_FRAMEBUFFER, name);
             const float far_depth = 0.0f;
             glClearNamedFramebufferfv(name, GL_DEPTH, 0, &far_depth);
-            drawer.draw(gpu, i);
+            drawer.draw(i);
             glFinish();
         }
         glDisable(GL_DEPTH_TEST);
