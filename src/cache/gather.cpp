@@ -99,74 +99,101 @@ std::vector<GatheredRecord> Gatherer::gather(std::span<const RecordSite> sites) 
         }
     }
     std::vector<GatheredRecord> results(sites.size());
-    const int faces = static_cast<int>(hemisphere_.faces.size());
     const auto total = static_cast<int>(sites.size());
+    const int round = kBatch * pool_.size();
+    gl::DrawingPhases phases(pool_.size());
     // Which worker draws a batch has no effect; a record's place within its batch may, in the last
     // bit of where the rasteriser puts an edge, so that place depends on the site's index alone.
     pool_.run([&](int index) {
-        using namespace gl;
         Worker& w = *workers_[static_cast<size_t>(index)];
-        for (int begin = kBatch * index; begin < total; begin += kBatch * pool_.size()) {
+        gl::DrawingPhases::Member member(phases);
+        for (int first = 0; first < total; first += round) {
+            const int begin = std::min(first + kBatch * index, total);
+            const std::span<const RecordSite> batch = sites.subspan(
+                static_cast<size_t>(begin), static_cast<size_t>(std::min(kBatch, total - begin)));
             const Timer raster_timer;
-            const int count = std::min(kBatch, total - begin);
-            std::vector<View> views;
-            for (int i = begin; i < begin + count; ++i) {
-                const RecordSite& site = sites[static_cast<size_t>(i)];
-                const mat3 frame = tangentFrame(site.normal);
-                const vec3 eye = site.position + lift_ * site.geometric_normal;
-                for (const HemisphereFace& f : hemisphere_.faces) {
-                    views.push_back(perspectiveView(eye, frame * f.right, frame * f.up,
-                                                    frame * f.forward, near_));
-                }
-            }
-            w.drawer.setViews(gpu_, views, lod_tolerance_);
-            refillBuffer(w.views, std::span<const View>(views));
-            glBindFramebuffer(GL_FRAMEBUFFER, w.first.name());
-            const GLuint none[4] = {0, 0, 0, 0};
-            const float far_depth = 0.0f;
-            glClearNamedFramebufferuiv(w.first.name(), GL_COLOR, 0, none);
-            glClearNamedFramebufferfv(w.first.name(), GL_DEPTH, 0, &far_depth);
-            glEnable(GL_DEPTH_TEST);
-            for (int i = 0; i < count; ++i) {
-                for (int f = 0; f < faces; ++f) {
-                    const HemisphereFace& face = hemisphere_.faces[static_cast<size_t>(f)];
-                    glViewport(i * hemisphere_.width + face.x, face.y, face.width, face.height);
-                    w.drawer.draw(i * faces + f);
-                }
-            }
-            glDisable(GL_DEPTH_TEST);
-            const int width = count * hemisphere_.width;
-            glBindFramebuffer(GL_FRAMEBUFFER, w.second.name());
-            glViewport(0, 0, width, hemisphere_.height);
-            bindShading(gpu_, w.shade);
-            glBindTextureUnit(1, w.visibility.name());
-            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, w.views.name());
-            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, gpu_.lit_triangle_buffer.name());
-            glBindVertexArray(w.empty.name());
-            if (any_shaded_) {
-                drawFullscreen();
-            }
-            w.lambert.use();
-            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, gpu_.surface_light.name());
-            drawFullscreen();
-            glReadPixels(0, 0, width, hemisphere_.height, GL_RGBA, GL_FLOAT, w.pixels.data());
+            member.transfer([&] { upload(w, batch); });
+            member.draw([&] { draw(w, static_cast<int>(batch.size())); });
+            member.transfer([&] { readBack(w, static_cast<int>(batch.size())); });
             w.seconds.raster += raster_timer.seconds();
-
             const Timer project_timer;
-            for (int i = 0; i < count; ++i) {
-                for (int y = 0; y < hemisphere_.height; ++y) {
-                    std::copy_n(&w.pixels[static_cast<size_t>(y * width + i * hemisphere_.width)],
-                                hemisphere_.width,
-                                &w.texels[static_cast<size_t>(y * hemisphere_.width)]);
-                }
-                const RecordSite& site = sites[static_cast<size_t>(begin + i)];
-                results[static_cast<size_t>(begin + i)] = integrateHemisphere(
-                    hemisphere_, w.texels, projection_[static_cast<size_t>(site.order)], site);
-            }
+            integrate(w, batch, &results[static_cast<size_t>(begin)]);
             w.seconds.project += project_timer.seconds();
         }
     });
     return results;
+}
+
+void Gatherer::upload(Worker& w, std::span<const RecordSite> batch) const {
+    std::vector<View> views;
+    for (const RecordSite& site : batch) {
+        const mat3 frame = tangentFrame(site.normal);
+        const vec3 eye = site.position + lift_ * site.geometric_normal;
+        for (const HemisphereFace& f : hemisphere_.faces) {
+            views.push_back(
+                perspectiveView(eye, frame * f.right, frame * f.up, frame * f.forward, near_));
+        }
+    }
+    w.drawer.setViews(gpu_, views, lod_tolerance_);
+    gl::refillBuffer(w.views, std::span<const View>(views));
+}
+
+void Gatherer::draw(Worker& w, int records) const {
+    using namespace gl;
+    if (records == 0) {
+        return;
+    }
+    const int faces = static_cast<int>(hemisphere_.faces.size());
+    glBindFramebuffer(GL_FRAMEBUFFER, w.first.name());
+    const GLuint none[4] = {0, 0, 0, 0};
+    const float far_depth = 0.0f;
+    glClearNamedFramebufferuiv(w.first.name(), GL_COLOR, 0, none);
+    glClearNamedFramebufferfv(w.first.name(), GL_DEPTH, 0, &far_depth);
+    glEnable(GL_DEPTH_TEST);
+    for (int i = 0; i < records; ++i) {
+        for (int f = 0; f < faces; ++f) {
+            const HemisphereFace& face = hemisphere_.faces[static_cast<size_t>(f)];
+            glViewport(i * hemisphere_.width + face.x, face.y, face.width, face.height);
+            w.drawer.draw(i * faces + f);
+        }
+    }
+    glDisable(GL_DEPTH_TEST);
+    glBindFramebuffer(GL_FRAMEBUFFER, w.second.name());
+    const float black[4] = {};
+    glClearNamedFramebufferfv(w.second.name(), GL_COLOR, 0, black);
+    glViewport(0, 0, records * hemisphere_.width, hemisphere_.height);
+    bindShading(gpu_, w.shade);
+    glBindTextureUnit(1, w.visibility.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, w.views.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, gpu_.lit_triangle_buffer.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, gpu_.surface_light.name());
+    glBindVertexArray(w.empty.name());
+    if (any_shaded_) {
+        drawFullscreen();
+    }
+    w.lambert.use();
+    drawFullscreen();
+}
+
+void Gatherer::readBack(Worker& w, int records) const {
+    if (records > 0) {
+        gl::glReadPixels(0, 0, records * hemisphere_.width, hemisphere_.height, GL_RGBA, GL_FLOAT,
+                         w.pixels.data());
+    }
+}
+
+void Gatherer::integrate(Worker& w, std::span<const RecordSite> batch,
+                         GatheredRecord* results) const {
+    const size_t width = batch.size() * static_cast<size_t>(hemisphere_.width);
+    for (size_t i = 0; i < batch.size(); ++i) {
+        for (int y = 0; y < hemisphere_.height; ++y) {
+            std::copy_n(&w.pixels[static_cast<size_t>(y) * width +
+                                  i * static_cast<size_t>(hemisphere_.width)],
+                        hemisphere_.width, &w.texels[static_cast<size_t>(y * hemisphere_.width)]);
+        }
+        results[i] = integrateHemisphere(
+            hemisphere_, w.texels, projection_[static_cast<size_t>(batch[i].order)], batch[i]);
+    }
 }
 
 }  // namespace sheen

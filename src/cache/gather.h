@@ -32,6 +32,11 @@ class Gatherer {
 
   private:
     struct Worker;
+    void upload(Worker& w, std::span<const RecordSite> batch) const;
+    void draw(Worker& w, int records) const;
+    void readBack(Worker& w, int records) const;
+    void integrate(Worker& w, std::span<const RecordSite> batch, GatheredRecord* results) const;
+
     gl::WorkerPool& pool_;
     const GpuScene& gpu_;
     Hemisphere hemisphere_;

@@ -35,7 +35,7 @@
     X(PFNGLDISABLEPROC, glDisable)                                                 \
     X(PFNGLDRAWARRAYSINSTANCEDBASEINSTANCEPROC, glDrawArraysInstancedBaseInstance) \
     X(PFNGLDRAWARRAYSPROC, glDrawArrays)                                           \
-    X(PFNGLDRAWELEMENTSPROC, glDrawElements)                   \
+    X(PFNGLDRAWELEMENTSPROC, glDrawElements)                                       \
     X(PFNGLENABLEPROC, glEnable)                                                   \
     X(PFNGLENABLEVERTEXARRAYATTRIBPROC, glEnableVertexArrayAttrib)                 \
     X(PFNGLFINISHPROC, glFinish)                                                   \

@@ -89,4 +89,11 @@ void WorkerPool::runOnFirst(const std::function<void()>& job) {
     });
 }
 
+void DrawingPhases::Member::draw(const std::function<void()>& draw) {
+    phases_.barrier_.arrive_and_wait();
+    draw();
+    glFinish();
+    phases_.barrier_.arrive_and_wait();
+}
+
 }  // namespace sheen::gl

@@ -3,6 +3,7 @@
 // framebuffers belong to one worker. All OpenGL of the project runs inside run().
 #pragma once
 
+#include <barrier>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -47,6 +48,39 @@ class WorkerPool {
     int generation_ = 0;
     int running_ = 0;
     bool stopping_ = false;
+};
+
+/// Keeps workers that draw at the same time in step: all upload, then all draw, then all read back.
+/// Mesa's rasteriser looks through the unfinished drawing of every context when one of them maps a
+/// resource, without a lock: that crashes when another context is drawing just then.
+class DrawingPhases {
+  public:
+    explicit DrawingPhases(int workers) : barrier_(workers) {}
+
+    /// One worker's part in every round; must end in each worker, also by an exception.
+    class Member {
+      public:
+        explicit Member(DrawingPhases& phases) : phases_(phases) {}
+        ~Member() { phases_.barrier_.arrive_and_drop(); }
+        Member(const Member&) = delete;
+        Member& operator=(const Member&) = delete;
+
+        /// Runs transfer() while no worker draws and no other one transfers.
+        void transfer(const std::function<void()>& transfer) {
+            const std::lock_guard<std::mutex> lock(phases_.mutex_);
+            transfer();
+        }
+        /// Waits until every worker is ready, runs draw(), and waits until all have finished
+        /// drawing.
+        void draw(const std::function<void()>& draw);
+
+      private:
+        DrawingPhases& phases_;
+    };
+
+  private:
+    std::barrier<> barrier_;
+    std::mutex mutex_;
 };
 
 }  // namespace sheen::gl

@@ -75,7 +75,7 @@ class ClusterDrawer {
     gl::VertexArray vertex_array_;
     gl::Buffer view_buffer_;
     gl::Buffer index_buffer_;
-    gl::Buffer triangle_buffer_;  // which triangle each drawn one is
+    gl::Buffer triangle_buffer_;        // which triangle each drawn one is
     std::vector<int> first_triangles_;  // of each view, and the end of the last
 };
 

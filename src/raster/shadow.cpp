@@ -111,12 +111,12 @@ void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {
         glTextureParameteri(maps, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
         glTextureParameteri(maps, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     });
-    pool.run([&](int worker) {
+    pool.runOnFirst([&] {
         ClusterDrawer drawer(gpu, "raster/depth.frag");
         drawer.setViews(gpu, views);
         glEnable(GL_DEPTH_TEST);
         glViewport(0, 0, resolution, resolution);
-        for (int i = worker; i < static_cast<int>(views.size()); i += pool.size()) {
+        for (int i = 0; i < static_cast<int>(views.size()); ++i) {
             GLuint name = 0;
             glCreateFramebuffers(1, &name);
             const Framebuffer framebuffer(name);

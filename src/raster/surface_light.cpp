@@ -115,7 +115,7 @@ void lightSurfaces(gl::WorkerPool& pool, GpuScene& gpu) {
     owners.resize(static_cast<size_t>(rows_total) * kTargetWidth);
     std::vector<vec4> front(owners.size());
     std::vector<vec4> back(owners.size());
-    pool.run([&](int worker) {
+    pool.runOnFirst([&] {
         // Chunks of rows, so that the targets stay small; each knows where it starts.
         constexpr int kChunkRows = 128;
         const Program program("raster/fullscreen.vert", "raster/surface_light.frag",
@@ -132,7 +132,7 @@ void lightSurfaces(gl::WorkerPool& pool, GpuScene& gpu) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, gpu.lit_triangle_buffer.name());
         glBindTextureUnit(1, owner.name());
         glBindVertexArray(empty.name());
-        for (int row = kChunkRows * worker; row < rows_total; row += kChunkRows * pool.size()) {
+        for (int row = 0; row < rows_total; row += kChunkRows) {
             const int rows = std::min(kChunkRows, rows_total - row);
             const size_t first = static_cast<size_t>(row) * kTargetWidth;
             glTextureSubImage2D(owner.name(), 0, 0, 0, kTargetWidth, rows, GL_RED_INTEGER,
