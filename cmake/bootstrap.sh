@@ -5,7 +5,7 @@ packages=(
     g++ cmake ninja-build pkg-config
     libosmesa6-dev libegl-dev libglm-dev libfmt-dev libtbb-dev libembree-dev
     libopenexr-dev libpng-dev libtinygltf-dev libmeshoptimizer-dev libcli11-dev nlohmann-json3-dev
-    libgtest-dev libbenchmark-dev
+    libgtest-dev
 )
 build="$root/build/release"
 log="$root/build/build.log"

@@ -1,6 +1,8 @@
 // sheen info: what a scene file holds, as Sheen reads it.
 #include <memory>
 
+#include "cache/classes.h"
+#include "cache/record.h"
 #include "cli/commands.h"
 #include "cli/output.h"
 #include "scene/scene.h"
@@ -34,6 +36,7 @@ Json materialJson(const Material& material) {
             {"metallic", params.metallic},
             {"base_color", jsonFrom(params.base_color)},
             {"textured", material.base_color_texture >= 0},
+            {"sh_order", materialOrder(params, 0)},
             {"emission", jsonFrom(params.emission)}};
 }
 
@@ -85,10 +88,13 @@ void printScene(const std::string& path, const Scene& scene) {
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& material = scene.materials[i];
         const MaterialParams& params = material.params;
-        fmt::print("material {} {}: roughness {:.3g} (alpha {:.3g}), metallic {:.3g}{}{}\n", i,
+        const int order = materialOrder(params, 0);
+        fmt::print("material {} {}: roughness {:.3g} (alpha {:.3g}), metallic {:.3g}{}{}; {}\n", i,
                    material.name, params.roughness, shared::alphaFromRoughness(params.roughness),
                    params.metallic, material.base_color_texture >= 0 ? ", textured" : "",
-                   params.emission == vec3(0.0f) ? "" : ", emits " + textFrom(params.emission));
+                   params.emission == vec3(0.0f) ? "" : ", emits " + textFrom(params.emission),
+                   order == shared::DIFFUSE_ORDER ? "cached as irradiance"
+                                                  : fmt::format("cached at SH order {}", order));
     }
     for (size_t i = 0; i < scene.lights.size(); ++i) {
         const PunctualLight& light = scene.lights[i];

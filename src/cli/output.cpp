@@ -9,8 +9,6 @@
 
 namespace sheen::cli {
 
-FILE* textStream(const std::string& json_path) { return json_path == "-" ? stderr : stdout; }
-
 void checkJsonWritable(const std::string& json_path) {
     if (!json_path.empty() && json_path != "-") {
         checkWritable(json_path);

@@ -97,6 +97,10 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     Timer compose_timer;
     const ComposeCounts counts =
         compose(gbuffer, classes, lobes, splat, irradiance_only, result.frame);
+    if (params.all_layers) {
+        result.frame.records =
+            countRecords(gbuffer, classes, placement.cache, params.placement.weight());
+    }
     pool.runOnFirst([&] { gpu = {}; });
     countPixels(result);
     seconds.compose = compose_timer.seconds();

@@ -29,10 +29,14 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
 SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
                      const RecordCache& cache, const WeightParams& weight);
 
+/// How many records serve each pixel.
+Image<float> countRecords(const GBuffer& gbuffer, const PixelClasses& classes,
+                          const RecordCache& cache, const WeightParams& weight);
+
 /// What compose() found in the images.
 struct ComposeCounts {
     int nonfinite = 0;  ///< set to zero
-    int negative = 0;   ///< channels below zero, clamped
+    int negative = 0;   ///< pixels with a channel below zero, clamped
 };
 
 /// Divides by the weights, applies the reflectances and fills the frame's layers.
