@@ -124,7 +124,7 @@ TEST_F(CliTest, versionAndHelp) {
 
 TEST_F(CliTest, helpStatesDefaults) {
     const std::string help = call("render --help").out;
-    for (const char* text : {"512x512", "=radiance", "=0.5", "=hemicube", "=256", "=basic"}) {
+    for (const char* text : {"512x512", "=radiance", "=0.5", "=ray", "=256", "=basic"}) {
         EXPECT_NE(help.find(text), std::string::npos) << text;
     }
 }
@@ -194,8 +194,10 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
         expectError(fmt::format("render scene.gltf --method reference {}", option),
                     ExitCode::kUsage, "not an option of --method reference");
     }
-    expectError("render scene.gltf --gather hemicube --gather-extent 2", ExitCode::kUsage,
-                "not an option of --gather hemicube");
+    for (const char* gather : {"hemicube", "ray"}) {
+        expectError(fmt::format("render scene.gltf --gather {} --gather-extent 2", gather),
+                    ExitCode::kUsage, fmt::format("not an option of --gather {}", gather));
+    }
 }
 
 TEST_F(CliTest, optionsTheFileDoesNotSupport) {

@@ -4,6 +4,7 @@
 
 #include "cache/gather.h"
 #include "core/error.h"
+#include "sh/projection.h"
 #include "sh/sh.h"
 
 namespace sheen {
@@ -110,6 +111,15 @@ std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
 }
 
 }  // namespace
+
+void ProjectionMatrices::prepare(const Hemisphere& hemisphere, std::span<const RecordSite> sites) {
+    for (const RecordSite& site : sites) {
+        std::vector<float>& matrix = of_[site.order];
+        if (site.order > shared::DIFFUSE_ORDER && matrix.empty()) {
+            matrix = projectionMatrix(hemisphere, {.order = site.order});
+        }
+    }
+}
 
 GatheredRecord integrateHemisphere(const Hemisphere& h, std::span<const vec4> texels,
                                    const std::vector<float>& projection, const RecordSite& site) {

@@ -22,6 +22,7 @@ struct RecordSite {
     vec3 position{};
     vec3 normal{};            ///< shading normal: the hemisphere's pole
     vec3 geometric_normal{};  ///< on the same side
+    vec3 toward_viewer{};     ///< unit, to whoever sees the site; zero where no one does
     int order = shared::DIFFUSE_ORDER;
 };
 

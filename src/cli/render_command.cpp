@@ -20,11 +20,17 @@ namespace {
 const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
                                                 {"irradiance", Method::kIrradiance},
                                                 {"reference", Method::kReference}};
-const std::map<std::string, HemisphereKind> kHemispheres = {
-    {"border", HemisphereKind::kBorder},
-    {"plane", HemisphereKind::kPlane},
-    {"larsen", HemisphereKind::kLarsen},
-    {"hemicube", HemisphereKind::kHemicube}};
+
+struct Gather {
+    GatherRoad road;
+    HemisphereKind hemisphere;
+};
+const std::map<std::string, Gather> kGathers = {
+    {"ray", {GatherRoad::kRays, HemisphereKind::kHemicube}},
+    {"border", {GatherRoad::kRaster, HemisphereKind::kBorder}},
+    {"plane", {GatherRoad::kRaster, HemisphereKind::kPlane}},
+    {"larsen", {GatherRoad::kRaster, HemisphereKind::kLarsen}},
+    {"hemicube", {GatherRoad::kRaster, HemisphereKind::kHemicube}}};
 
 // An option that only some methods understand.
 struct LimitedOption {
@@ -38,7 +44,7 @@ struct RenderOptions {
     std::string size = "512x512";
     std::string method = "radiance";
     std::string sh_order = "auto";
-    std::string gather = "hemicube";
+    std::string gather = "ray";
     std::string exposure = "auto";
     std::string layers = "basic";
     std::string json;
@@ -102,10 +108,11 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                            "material"),
             {Method::kRadiance});
     limited(app.add_option("--gather", o.gather,
-                           "radiance, irradiance: how a record sees its hemisphere: a hemicube, or "
-                           "one plane with its border stretched to the horizon (border), bare "
-                           "(plane) or rescaled (larsen)")
-                ->check(CLI::IsMember(keysOf(kHemispheres))),
+                           "radiance, irradiance: how a record sees its hemisphere: by rays "
+                           "through a hemicube (ray), or rasterised: on a hemicube, or one plane "
+                           "with its border stretched to the horizon (border), bare (plane) or "
+                           "rescaled (larsen)")
+                ->check(CLI::IsMember(keysOf(kGathers))),
             cached);
     limited(app.add_option("--gather-size", p.gather.size,
                            "radiance, irradiance: texels along a side of that plane")
@@ -113,7 +120,7 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
             cached);
     o.extent_option = limited(app.add_option("--gather-extent", p.gather.extent,
                                              "radiance, irradiance: half-width of that plane at "
-                                             "distance 1; not for the hemicube")
+                                             "distance 1; not for a hemicube")
                                   ->check(numberIn(1, 10)),
                               cached);
     app.add_option("--bounces", p.bounces, "Bounces of indirect light; more than 1: reference only")
@@ -145,7 +152,7 @@ void checkMethodOptions(const RenderOptions& o) {
         throwUsage("--bounces {}: --method {} computes one bounce", o.params.bounces, o.method);
     }
     if (o.params.gather.kind == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
-        throwUsage("--gather-extent: not an option of --gather hemicube");
+        throwUsage("--gather-extent: not an option of --gather {}", o.gather);
     }
 }
 
@@ -260,7 +267,8 @@ ExitCode runRender(RenderOptions& o) {
     o.params.width = size.x;
     o.params.height = size.y;
     o.params.method = kMethods.at(o.method);
-    o.params.gather.kind = kHemispheres.at(o.gather);
+    o.params.gather_road = kGathers.at(o.gather).road;
+    o.params.gather.kind = kGathers.at(o.gather).hemisphere;
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.all_layers = o.layers == "all";
     parseExposure(o.exposure);

@@ -5,7 +5,7 @@
 namespace sheen {
 namespace {
 
-constexpr float kNearOverSize = 2e-5f;
+constexpr float kNearOverOffset = 4.0f;
 
 View makeView(const vec3& origin, const vec3& right, const vec3& up, const vec3& forward) {
     const mat3 dual = glm::transpose(glm::inverse(mat3(right, up, forward)));
@@ -44,10 +44,7 @@ View cameraView(const Camera& camera, int width, int height, float near) {
                            -axes[1] * tan_half, -axes[2], near);
 }
 
-float nearDistance(const Scene& scene) {
-    const float size = scene.bounds.size();
-    return kNearOverSize * (size > 0.0f ? size : 1.0f);
-}
+float nearDistance(const Scene& scene) { return kNearOverOffset * surfaceOffset(scene); }
 
 bool sphereInView(const View& view, const vec3& center, float radius) {
     const vec3 d = center - view.origin;

@@ -23,7 +23,8 @@ View parallelView(const vec3& origin, const vec3& right, const vec3& up, const v
 /// OpenGL draws is row 0 of the image.
 View cameraView(const Camera& camera, int width, int height, float near);
 
-/// Near-plane distance for a scene of this size: far below anything visible, far above rounding.
+/// Near-plane distance for a scene of this size: far below anything visible, and enough to clip
+/// what stepping off a surface (surfaceOffset()) uncovers of that surface.
 float nearDistance(const Scene& scene);
 
 /// Whether a sphere may be seen in a perspective view (conservative).

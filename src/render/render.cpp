@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "cache/classes.h"
-#include "cache/gather.h"
 #include "cache/placement.h"
+#include "cache/raster_gather.h"
+#include "cache/ray_gather.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "raster/gbuffer.h"
@@ -52,6 +53,21 @@ std::vector<MaterialOrder> nameOrders(const Scene& scene, const std::vector<int>
     return named;
 }
 
+// Places records with a gatherer of either kind, and says how long each part took.
+template <class G>
+Placement placeWith(G& gatherer, const Scene& scene, const GBuffer& gbuffer,
+                    const PixelClasses& classes, const PixelLobes& lobes,
+                    const RenderParams& params, StageSeconds& seconds) {
+    const Timer timer;
+    Placement placement = placeRecords(
+        scene, gbuffer, classes, lobes, params.placement,
+        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, params.quiet);
+    seconds.gather += gatherer.seconds().see;
+    seconds.project += gatherer.seconds().project;
+    seconds.placement += timer.seconds() - gatherer.seconds().see - gatherer.seconds().project;
+    return placement;
+}
+
 // scene -> raster (shadow maps, G-buffer) -> classes -> placement, which gathers and projects ->
 // splat -> compose.
 RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
@@ -60,14 +76,16 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     RenderResult result;
     StageSeconds& seconds = result.stats.seconds;
 
-    gl::WorkerPool pool(threadCount());
+    const bool by_rays = params.gather_road == GatherRoad::kRays;
+
+    // Only the raster gather draws with more than one context.
+    gl::WorkerPool pool(by_rays ? 1 : threadCount());
     result.stats.gl_renderer = pool.renderer();
 
     Timer shadow_timer;
     GpuScene gpu;
     pool.runOnFirst([&] { gpu = uploadScene(scene); });
     renderShadowMaps(pool, scene, gpu);
-    lightSurfaces(pool, gpu);
     seconds.shadow = shadow_timer.seconds();
 
     Timer gbuffer_timer;
@@ -76,18 +94,19 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     const PixelLobes lobes = buildLobes(gbuffer, classes);
     seconds.gbuffer = gbuffer_timer.seconds();
 
-    Timer placement_timer;
     Placement placement;
-    {
-        Gatherer gatherer(pool, scene, gpu, params.gather);
-        placement = placeRecords(
-            scene, gbuffer, classes, lobes, params.placement,
-            [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); },
-            params.quiet);
-        seconds.gather = gatherer.seconds().raster;
-        seconds.project = gatherer.seconds().project;
+    Timer gather_timer;
+    if (by_rays) {
+        const RayCaster rays(scene);
+        RayGatherer gatherer(rays, params.gather);
+        seconds.gather = gather_timer.seconds();
+        placement = placeWith(gatherer, scene, gbuffer, classes, lobes, params, seconds);
+    } else {
+        lightSurfaces(pool, gpu);
+        RasterGatherer gatherer(pool, scene, gpu, params.gather);
+        seconds.gather = gather_timer.seconds();
+        placement = placeWith(gatherer, scene, gbuffer, classes, lobes, params, seconds);
     }
-    seconds.placement = placement_timer.seconds() - seconds.gather - seconds.project;
 
     Timer splat_timer;
     const SplatBuffer splat =

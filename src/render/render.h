@@ -14,6 +14,9 @@ namespace sheen {
 
 enum class Method { kRadiance, kIrradiance, kReference };
 
+/// What finds the light around a record: rays on the CPU or the rasteriser.
+enum class GatherRoad { kRays, kRaster };
+
 /// Everything that changes the image. Defaults were chosen by measurement (docs/decisions.md).
 struct RenderParams {
     Method method = Method::kRadiance;
@@ -23,6 +26,7 @@ struct RenderParams {
     // The cached methods.
     PlacementParams placement;
     int sh_order = 0;  ///< 0: chosen per material
+    GatherRoad gather_road = GatherRoad::kRays;
     HemisphereParams gather;
     // The reference.
     int bounces = 1;

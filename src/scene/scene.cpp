@@ -58,6 +58,12 @@ MaterialParams materialAt(const Scene& scene, const Material& material, const ve
     return params;
 }
 
+float surfaceOffset(const Scene& scene) {
+    constexpr float kOffsetOverSize = 5e-6f;
+    const float size = scene.bounds.size();
+    return kOffsetOverSize * (size > 0.0f ? size : 1.0f);
+}
+
 vec3 geometricNormal(const Scene& scene, int triangle) {
     const uvec3& t = scene.triangles[static_cast<size_t>(triangle)];
     const vec3& p = scene.positions[t.x];

@@ -79,6 +79,10 @@ CameraRay cameraRay(const Camera& camera, int width, int height, float x, float 
 /// Base colour at uv (bilinear, the full-resolution level) times the factor, and the other factors.
 MaterialParams materialAt(const Scene& scene, const Material& material, const vec2& uv);
 
+/// How far from a surface an eye or a ray starts that leaves it: far above rounding, far below
+/// anything visible.
+float surfaceOffset(const Scene& scene);
+
 /// Unit geometric normal by winding.
 vec3 geometricNormal(const Scene& scene, int triangle);
 

@@ -1,27 +1,22 @@
-#include "cache/gather.h"
+#include "cache/raster_gather.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "core/timer.h"
-#include "sh/projection.h"
 
 namespace sheen {
 namespace {
 
 constexpr int kBatch = 16;  // records that one worker draws before it shades and reads back
-// Distance from the surface relative to the near plane: less, so that what the lift uncovers of the
-// record's own surface is clipped.
-constexpr float kLiftOverNear = 0.25f;
-
 // Error of coarser geometry that is accepted, in texels at the middle of a face.
 constexpr float kLodTexels = 0.1f;
 
 }  // namespace
 
 // What one worker owns: framebuffers, programs and its time.
-struct Gatherer::Worker {
+struct RasterGatherer::Worker {
     gl::Texture visibility, depth, radiance;
     gl::Framebuffer first, second;
     gl::VertexArray empty;
@@ -34,17 +29,16 @@ struct Gatherer::Worker {
     GatherSeconds seconds;
 };
 
-Gatherer::Gatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
-                   const HemisphereParams& params)
+RasterGatherer::RasterGatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
+                               const HemisphereParams& params)
     : pool_(pool), gpu_(gpu), hemisphere_(makeHemisphere(params)) {
     near_ = nearDistance(scene);
-    lift_ = kLiftOverNear * near_;
+    lift_ = surfaceOffset(scene);
     const float texel_angle = 2.0f * glm::length(hemisphere_.faces[0].right) /
                               static_cast<float>(hemisphere_.faces[0].width);
     lod_tolerance_ = kLodTexels * texel_angle;
     any_shaded_ = std::any_of(gpu.lit_triangles.begin(), gpu.lit_triangles.end(),
                               [](const LitTriangle& t) { return t.lambertian == 0; });
-    projection_.resize(shared::SH_MAX_ORDER + 1);
     workers_.resize(static_cast<size_t>(pool.size()));
     pool.run([&](int index) {
         using namespace gl;
@@ -78,26 +72,21 @@ Gatherer::Gatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu
     });
 }
 
-Gatherer::~Gatherer() {
+RasterGatherer::~RasterGatherer() {
     pool_.run([&](int index) { workers_[static_cast<size_t>(index)].reset(); });
 }
 
-GatherSeconds Gatherer::seconds() const {
+GatherSeconds RasterGatherer::seconds() const {
     GatherSeconds mean;
     for (const auto& worker : workers_) {
-        mean.raster += worker->seconds.raster / static_cast<double>(workers_.size());
+        mean.see += worker->seconds.see / static_cast<double>(workers_.size());
         mean.project += worker->seconds.project / static_cast<double>(workers_.size());
     }
     return mean;
 }
 
-std::vector<GatheredRecord> Gatherer::gather(std::span<const RecordSite> sites) {
-    for (const RecordSite& site : sites) {
-        auto& projection = projection_[static_cast<size_t>(site.order)];
-        if (site.order > shared::DIFFUSE_ORDER && projection.empty()) {
-            projection = projectionMatrix(hemisphere_, {.order = site.order});
-        }
-    }
+std::vector<GatheredRecord> RasterGatherer::gather(std::span<const RecordSite> sites) {
+    projections_.prepare(hemisphere_, sites);
     std::vector<GatheredRecord> results(sites.size());
     const auto total = static_cast<int>(sites.size());
     const int round = kBatch * pool_.size();
@@ -115,7 +104,7 @@ std::vector<GatheredRecord> Gatherer::gather(std::span<const RecordSite> sites) 
             member.transfer([&] { upload(w, batch); });
             member.draw([&] { draw(w, static_cast<int>(batch.size())); });
             member.transfer([&] { readBack(w, static_cast<int>(batch.size())); });
-            w.seconds.raster += raster_timer.seconds();
+            w.seconds.see += raster_timer.seconds();
             const Timer project_timer;
             integrate(w, batch, &results[static_cast<size_t>(begin)]);
             w.seconds.project += project_timer.seconds();
@@ -124,11 +113,11 @@ std::vector<GatheredRecord> Gatherer::gather(std::span<const RecordSite> sites) 
     return results;
 }
 
-void Gatherer::upload(Worker& w, std::span<const RecordSite> batch) const {
+void RasterGatherer::upload(Worker& w, std::span<const RecordSite> batch) const {
     std::vector<View> views;
     for (const RecordSite& site : batch) {
         const mat3 frame = tangentFrame(site.normal);
-        const vec3 eye = site.position + lift_ * site.geometric_normal;
+        const vec3 eye = site.position + lift_ * (site.geometric_normal + site.toward_viewer);
         for (const HemisphereFace& f : hemisphere_.faces) {
             views.push_back(
                 perspectiveView(eye, frame * f.right, frame * f.up, frame * f.forward, near_));
@@ -138,7 +127,7 @@ void Gatherer::upload(Worker& w, std::span<const RecordSite> batch) const {
     gl::refillBuffer(w.views, std::span<const View>(views));
 }
 
-void Gatherer::draw(Worker& w, int records) const {
+void RasterGatherer::draw(Worker& w, int records) const {
     using namespace gl;
     if (records == 0) {
         return;
@@ -175,15 +164,15 @@ void Gatherer::draw(Worker& w, int records) const {
     drawFullscreen();
 }
 
-void Gatherer::readBack(Worker& w, int records) const {
+void RasterGatherer::readBack(Worker& w, int records) const {
     if (records > 0) {
         gl::glReadPixels(0, 0, records * hemisphere_.width, hemisphere_.height, GL_RGBA, GL_FLOAT,
                          w.pixels.data());
     }
 }
 
-void Gatherer::integrate(Worker& w, std::span<const RecordSite> batch,
-                         GatheredRecord* results) const {
+void RasterGatherer::integrate(Worker& w, std::span<const RecordSite> batch,
+                               GatheredRecord* results) const {
     const size_t width = batch.size() * static_cast<size_t>(hemisphere_.width);
     for (size_t i = 0; i < batch.size(); ++i) {
         for (int y = 0; y < hemisphere_.height; ++y) {
@@ -191,8 +180,8 @@ void Gatherer::integrate(Worker& w, std::span<const RecordSite> batch,
                                   i * static_cast<size_t>(hemisphere_.width)],
                         hemisphere_.width, &w.texels[static_cast<size_t>(y * hemisphere_.width)]);
         }
-        results[i] = integrateHemisphere(
-            hemisphere_, w.texels, projection_[static_cast<size_t>(batch[i].order)], batch[i]);
+        results[i] =
+            integrateHemisphere(hemisphere_, w.texels, projections_.of(batch[i].order), batch[i]);
     }
 }
 

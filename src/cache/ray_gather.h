@@ -1,0 +1,36 @@
+// Gathering by rays: one through each texel of a record's hemisphere, at a random place within it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cache/gather.h"
+#include "rays/ray_caster.h"
+
+namespace sheen {
+
+/// Gathers on all threads; the results do not depend on how many there are. Which places the rays
+/// take depends on how many records were gathered before. The caster must outlive it.
+class RayGatherer {
+  public:
+    RayGatherer(const RayCaster& rays, const HemisphereParams& params)
+        : rays_(rays), hemisphere_(makeHemisphere(params)) {}
+
+    /// One result a site, in order.
+    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites);
+
+    /// Time spent so far.
+    GatherSeconds seconds() const { return seconds_; }
+
+  private:
+    std::vector<vec4> see(const RecordSite& site, uint32_t index) const;
+
+    const RayCaster& rays_;
+    Hemisphere hemisphere_;
+    ProjectionMatrices projections_;
+    uint32_t gathered_ = 0;
+    GatherSeconds seconds_;
+};
+
+}  // namespace sheen
