@@ -18,12 +18,13 @@ inline MaterialParams diffuseParams(const vec3& albedo, const vec3& emission = v
             .roughness = 1.0f};
 }
 
-inline MaterialParams glossyParams(const vec3& base, float metallic, float roughness) {
+inline MaterialParams glossyParams(const vec3& base, float metallic, float roughness,
+                                   const vec3& emission = vec3(0.0f)) {
     return {.base_color = base,
             .metallic = metallic,
             .specular_color = vec3(1.0f),
             .specular = 1.0f,
-            .emission = vec3(0.0f),
+            .emission = emission,
             .roughness = roughness};
 }
 
