@@ -30,4 +30,16 @@ inline ReferenceParams smallParams(const Scene& scene, int size, int spp) {
     return smallParams(scene.cameras.front(), size, spp);
 }
 
+/// What the camera sees and its direct light, no bounce.
+inline Frame firstHits(const Scene& scene, int width, int height) {
+    return renderReference(scene, {.width = width,
+                                   .height = height,
+                                   .camera = scene.cameras.front(),
+                                   .bounces = 0,
+                                   .spp = 2,
+                                   .replicates = 2,
+                                   .quiet = true})
+        .frame;
+}
+
 }  // namespace sheen

@@ -168,6 +168,12 @@ inline Scene cornellRoom(const MaterialParams& floor, const MaterialParams& box)
     return scene;
 }
 
+/// The same with a plastic floor and a metal box.
+inline Scene glossyRoom(float floor_roughness = 0.4f, float box_roughness = 0.35f) {
+    return cornellRoom(glossyParams(vec3(0.5f), 0.0f, floor_roughness),
+                       glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, box_roughness));
+}
+
 /// The scene enlarged by s: lengths by s, intensities (candela) by s^2, so that radiance stays.
 inline Scene scaled(Scene scene, float s) {
     for (vec3& p : scene.positions) {
