@@ -135,36 +135,102 @@ TEST(TangentFrame, OrthonormalAndRightHanded) {
     }
 }
 
-// Every pixel whose centre's ray meets the sphere lies in the rectangle.
-void expectConservative(const Camera& camera, int width, int height, const vec3& center,
-                        float radius) {
+// ---- Screen bounds of spheres -------------------------------------------------------------------
+
+struct Sphere {
+    vec3 center;
+    float radius;
+};
+
+// Whether the ray through a pixel's centre meets the sphere.
+bool meets(const Camera& camera, int width, int height, int x, int y, const Sphere& sphere) {
+    const CameraRay ray =
+        cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
+    const glm::dvec3 d = glm::normalize(glm::dvec3(ray.direction));
+    const glm::dvec3 to = glm::dvec3(sphere.center) - glm::dvec3(ray.origin);
+    const double along = glm::dot(d, to);
+    const glm::dvec3 aside = to - along * d;
+    const double inside = static_cast<double>(sphere.radius) * sphere.radius;
+    const double miss2 = glm::dot(aside, aside);
+    return miss2 < inside && along + std::sqrt(inside - miss2) > 0.0;
+}
+
+// Every pixel whose centre's ray meets the sphere lies in the rectangle. Returns how many do.
+int expectConservative(const Camera& camera, int width, int height, const vec3& center,
+                       float radius) {
     const View view = cameraView(camera, width, height, 1e-4f);
     const PixelRect rect = sphereBounds(view, width, height, center, radius);
     EXPECT_TRUE(rect.x0 >= 0 && rect.x1 <= width && rect.y0 >= 0 && rect.y1 <= height);
+    int seen = 0;
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-            const CameraRay ray =
-                cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
-            const glm::dvec3 d = glm::normalize(glm::dvec3(ray.direction));
-            const glm::dvec3 to(center - ray.origin);
-            const double along = glm::dot(d, to);
-            const double miss2 = glm::dot(to, to) - along * along;
-            const double inside = static_cast<double>(radius) * radius;
-            const bool hit = miss2 < inside && along + std::sqrt(inside - miss2) > 0.0;
-            if (hit) {
-                ASSERT_TRUE(x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1)
+            if (meets(camera, width, height, x, y, {center, radius})) {
+                ++seen;
+                EXPECT_TRUE(x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1)
                     << "pixel " << x << " " << y << " radius " << radius << " rect " << rect.x0
                     << " " << rect.y0 << " " << rect.x1 << " " << rect.y1;
             }
         }
     }
+    return seen;
+}
+
+// The same for images too large to try every pixel: those around points of the sphere's outline.
+int expectConservativeAtOutline(const Camera& camera, int size, const Sphere& sphere) {
+    constexpr int kPoints = 300;
+    const View view = cameraView(camera, size, size, 1e-4f);
+    const PixelRect rect = sphereBounds(view, size, size, sphere.center, sphere.radius);
+    const glm::dmat3 image_from_world = glm::inverse(
+        glm::dmat3(glm::dvec3(view.right), glm::dvec3(view.up), glm::dvec3(view.forward)));
+    const glm::dvec3 d(sphere.center - view.origin);
+    // Where rays from the eye touch the sphere: a circle across the line to its centre.
+    const double sine2 = std::pow(sphere.radius, 2) / glm::dot(d, d);
+    if (sine2 >= 1.0) {
+        return 0;  // the eye is inside
+    }
+    const mat3 frame = tangentFrame(glm::normalize(vec3(d)));
+    const double circle = sphere.radius * std::sqrt(1.0 - sine2);
+    int seen = 0;
+    for (int i = 0; i < kPoints; ++i) {
+        const double phi = 2.0 * M_PI * i / kPoints;
+        const glm::dvec3 p = image_from_world *
+                             ((1.0 - sine2) * d + circle * (std::cos(phi) * glm::dvec3(frame[0]) +
+                                                            std::sin(phi) * glm::dvec3(frame[1])));
+        const glm::dvec2 pixel = (0.5 * glm::dvec2(p) / p.z + 0.5) * static_cast<double>(size);
+        if (p.z <= 0.0 || std::min(pixel.x, pixel.y) < 0.0 || std::max(pixel.x, pixel.y) >= size) {
+            continue;
+        }
+        for (int k = 0; k < 9; ++k) {
+            const int x = glm::clamp(static_cast<int>(pixel.x) + k % 3 - 1, 0, size - 1);
+            const int y = glm::clamp(static_cast<int>(pixel.y) + k / 3 - 1, 0, size - 1);
+            if (meets(camera, size, size, x, y, sphere)) {
+                ++seen;
+                EXPECT_TRUE(x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1)
+                    << "pixel " << x << " " << y << " radius " << sphere.radius << " rect "
+                    << rect.x0 << " " << rect.y0 << " " << rect.x1 << " " << rect.y1;
+            }
+        }
+    }
+    return seen;
+}
+
+// A sphere at a depth, at (u, v) of the image in [-1, 1]^2 or beyond.
+Sphere sphereAt(const Camera& camera, float depth, const vec2& uv, float radius) {
+    const mat4& m = camera.world_from_camera;
+    const float t = depth * std::tan(0.5f * camera.y_fov);
+    return {vec3(m * vec4(uv.x * t, uv.y * t, -depth, 1.0f)), radius};
+}
+
+Camera randomCamera(Random& random, float least_fov, float greatest_fov) {
+    Camera camera = lookAt(random.point(-1.0f, 1.0f), random.point(-1.0f, 1.0f));
+    camera.y_fov = random.uniform(least_fov, greatest_fov);
+    return camera;
 }
 
 TEST(SphereBounds, ConservativeForRandomSpheres) {
     Random random(5);
     for (int i = 0; i < 400; ++i) {
-        Camera camera = lookAt(random.point(-1.0f, 1.0f), random.point(-1.0f, 1.0f));
-        camera.y_fov = random.uniform(0.1f, 2.8f);
+        const Camera camera = randomCamera(random, 0.1f, 2.8f);
         expectConservative(camera, 48, i % 2 == 0 ? 32 : 64, random.point(-3.0f, 3.0f),
                            std::pow(10.0f, random.uniform(-3.0f, 0.5f)));
     }
@@ -176,6 +242,97 @@ TEST(SphereBounds, ConservativeAroundTheEyeAndItsPlane) {
         for (float x : {0.0f, 0.5f, 1.0f, 3.0f, -3.0f}) {
             expectConservative(camera, 32, 32, vec3(x, 0.2f * x, -z), 1.0f);
         }
+    }
+}
+
+// A hair in front of the eye's plane one side of the outline is nearly at infinity.
+TEST(SphereBounds, ConservativeWhereTheSphereAlmostTouchesTheEyesPlane) {
+    Random random(6);
+    int seen = 0;
+    for (int i = 0; i < 1500; ++i) {
+        const Camera camera = randomCamera(random, 0.05f, 1.5f);
+        const float radius = std::pow(10.0f, random.uniform(-2.0f, 1.0f));
+        const float depth = radius * (1.0f + std::pow(10.0f, random.uniform(-4.5f, -1.0f)));
+        // Aside by so much that the near side of its outline crosses the image.
+        const float tangent = std::tan(0.5f * camera.y_fov);
+        const auto aside = [&] {
+            const float edge = random.uniform(-1.5f, 1.5f);
+            return edge + std::copysign(1.0f / tangent, edge);
+        };
+        const vec2 uv = i % 2 == 0 ? vec2(aside(), random.uniform(-1.0f, 1.0f))
+                                   : vec2(random.uniform(-1.0f, 1.0f), aside());
+        seen += expectConservativeAtOutline(camera, 4096, sphereAt(camera, depth, uv, radius));
+    }
+    EXPECT_GT(seen, 10000);
+}
+
+TEST(SphereBounds, ConservativeForTinySpheres) {
+    Random random(7);
+    int seen = 0, seen_outline = 0;
+    for (int i = 0; i < 300; ++i) {
+        const Camera camera = randomCamera(random, 0.1f, 2.0f);
+        const vec2 uv(random.uniform(-1.1f, 1.1f), random.uniform(-1.1f, 1.1f));
+        const float depth = random.uniform(0.1f, 5.0f);
+        // Less than a pixel: seen by at most one of them.
+        const float pixel = 2.0f * std::tan(0.5f * camera.y_fov) * depth / 24.0f;
+        const Sphere sphere = sphereAt(camera, depth, uv, random.uniform(0.0f, 0.5f) * pixel);
+        seen += expectConservative(camera, 24, 24, sphere.center, sphere.radius);
+        const float radius = depth * std::pow(10.0f, random.uniform(-7.0f, -2.0f));
+        seen_outline += expectConservativeAtOutline(camera, 4096, {sphere.center, radius});
+    }
+    EXPECT_GT(seen, 20);
+    EXPECT_GT(seen_outline, 1000);
+}
+
+TEST(SphereBounds, ConservativeOffAxisAtWideFieldsOfView) {
+    Random random(8);
+    int seen = 0, seen_outline = 0;
+    for (int i = 0; i < 200; ++i) {
+        const Camera camera = randomCamera(random, 2.4f, 3.1f);
+        const auto off = [&random] {
+            return random.uniform(0.5f, 1.2f) * (random.uniform(-1.0f, 1.0f) < 0.0f ? -1.0f : 1.0f);
+        };
+        const float depth = random.uniform(0.1f, 2.0f);
+        const Sphere sphere =
+            sphereAt(camera, depth, {off(), off()}, depth * random.uniform(0.01f, 3.0f));
+        seen += expectConservative(camera, 32, 32, sphere.center, sphere.radius);
+        seen_outline += expectConservativeAtOutline(camera, 1024, sphere);
+    }
+    EXPECT_GT(seen, 1000);
+    EXPECT_GT(seen_outline, 1000);
+}
+
+TEST(SphereBounds, ConservativeForSpheresThroughTheEyesPlane) {
+    Random random(9);
+    int seen = 0;
+    for (int i = 0; i < 200; ++i) {
+        const Camera camera = randomCamera(random, 0.3f, 2.8f);
+        // The centre in front of the plane or behind it, the eye beside the sphere or inside.
+        const float depth = random.uniform(-1.0f, 1.0f);
+        const mat4& m = camera.world_from_camera;
+        const vec3 center(
+            m * vec4(random.uniform(-2.0f, 2.0f), random.uniform(-2.0f, 2.0f), -depth, 1.0f));
+        seen += expectConservative(camera, 24, 24, center, 1.0f);
+    }
+    EXPECT_GT(seen, 1000);
+}
+
+TEST(SphereBounds, TheWholeImageAroundTheEyeAndNothingBehindIt) {
+    Random random(10);
+    for (int i = 0; i < 200; ++i) {
+        const Camera camera = randomCamera(random, 0.1f, 3.0f);
+        const View view = cameraView(camera, 40, 30, 1e-4f);
+        const float radius = std::pow(10.0f, random.uniform(-3.0f, 3.0f));
+        const vec3 toward = random.uniform(0.0f, 0.99f) * radius * random.direction();
+        const PixelRect all = sphereBounds(view, 40, 30, view.origin + toward, radius);
+        EXPECT_TRUE(all.x0 == 0 && all.x1 == 40 && all.y0 == 0 && all.y1 == 30);
+        // Behind, however far aside.
+        const vec3 back(camera.world_from_camera[2]);
+        const vec3 aside = random.uniform(0.0f, 50.0f) * vec3(camera.world_from_camera[i % 2]);
+        const PixelRect none = sphereBounds(
+            view, 40, 30, view.origin + radius * (random.uniform(1.01f, 9.0f) * back + aside),
+            radius);
+        EXPECT_TRUE(none.x0 >= none.x1 || none.y0 >= none.y1);
     }
 }
 

@@ -61,6 +61,11 @@ TEST(Hemisphere, SolidAnglesAndCosinesSumToTheirClosedForms) {
                 break;
             case HemisphereKind::kLarsen:
                 EXPECT_NEAR(sum(h.cosines), M_PI, M_PI * kSumError);
+                EXPECT_NEAR(sum(h.solid_angles),
+                            M_PI * shared::planeSolidAngle(-e, -e, e, e) /
+                                shared::planeCosine(-e, -e, e, e),
+                            1e-3);
+                EXPECT_LT(sum(h.solid_angles), 2.0 * M_PI);
                 break;
         }
         double x = 0.0, y = 0.0;

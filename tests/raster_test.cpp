@@ -2,8 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "image/frame.h"
-#include "reference/reference.h"
-#include "test_scenes.h"
+#include "test_reference.h"
 #include "test_stage.h"
 
 namespace sheen {
@@ -103,20 +102,11 @@ constexpr double kOtherPrimitive = 0.004;
 
 TEST(GBuffer, AgreesWithTheReferencesFirstHits) {
     for (float scale : {1.0f, 1000.0f, 0.001f}) {
-        const Scene scene = scaled(cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.4f),
-                                               glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.3f)),
-                                   scale);
+        const Scene scene = scaled(glossyRoom(0.4f, 0.3f), scale);
         TestStage stage(scene);
         const int width = 90, height = 70;
         const GBuffer g = stage.gbuffer(width, height);
-        const Frame frame = renderReference(scene, {.width = width,
-                                                    .height = height,
-                                                    .camera = scene.cameras.front(),
-                                                    .bounces = 0,
-                                                    .spp = 2,
-                                                    .replicates = 2,
-                                                    .quiet = true})
-                                .frame;
+        const Frame frame = firstHits(scene, width, height);
         int differing = 0;
         for (int i = 0; i < width * height; ++i) {
             const auto p = static_cast<size_t>(i);

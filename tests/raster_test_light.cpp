@@ -4,8 +4,7 @@
 #include <functional>
 
 #include "image/frame.h"
-#include "reference/reference.h"
-#include "test_scenes.h"
+#include "test_reference.h"
 #include "test_stage.h"
 
 namespace sheen {
@@ -138,14 +137,7 @@ double agreeingShare(const Scene& scene, float tolerance) {
     const int size = 96;
     TestStage stage(scene);
     const GBuffer g = stage.gbuffer(size, size);
-    const Frame frame = renderReference(scene, {.width = size,
-                                                .height = size,
-                                                .camera = scene.cameras.front(),
-                                                .bounces = 0,
-                                                .spp = 2,
-                                                .replicates = 2,
-                                                .quiet = true})
-                            .frame;
+    const Frame frame = firstHits(scene, size, size);
     double agreeing = 0.0, compared = 0.0;
     for (size_t i = 0; i < frame.primitive.pixels.size(); ++i) {
         if (g.primitive.pixels[i] != frame.primitive.pixels[i]) {
@@ -162,8 +154,7 @@ double agreeingShare(const Scene& scene, float tolerance) {
 constexpr double kAwayFromEdges = 0.975;
 
 TEST(DirectLight, AgreesWithTheReferenceAwayFromShadowEdges) {
-    Scene scene = cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.4f),
-                              glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.3f));
+    Scene scene = glossyRoom(0.4f, 0.3f);
     for (float scale : {1.0f, 1000.0f, 0.001f}) {
         EXPECT_GT(agreeingShare(scaled(scene, scale), 0.005f), kAwayFromEdges) << "scale " << scale;
     }

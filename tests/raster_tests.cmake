@@ -1,1 +1,2 @@
-sheen_test(raster SOURCES raster_test.cpp raster_test_light.cpp USES sheen_raster sheen_reference)
+sheen_test(raster SOURCES raster_test.cpp raster_test_clusters.cpp raster_test_light.cpp
+           USES sheen_raster sheen_reference)

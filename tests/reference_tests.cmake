@@ -1,1 +1,3 @@
-sheen_test(reference SOURCES reference_test.cpp USES sheen_reference)
+sheen_test(reference SOURCES reference_test.cpp reference_test_sampling.cpp
+                             reference_test_variance.cpp
+           USES sheen_reference)

@@ -95,11 +95,6 @@ TEST(SphereWithLightInside, OneBounceHasItsClosedForm) {
 
 // ---- The same image -----------------------------------------------------------------------------
 
-Scene glossyRoom() {
-    return cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.4f),
-                       glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.35f));
-}
-
 std::vector<char> bytesOf(const Frame& frame) {
     std::vector<char> bytes;
     for (const Image<vec3>* image : {&frame.direct, &frame.indirect, &frame.indirect_diffuse}) {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "metrics/compare.h"
-#include "reference/reference.h"
+#include "test_reference.h"
 #include "test_render.h"
 
 namespace sheen {
@@ -16,11 +16,7 @@ constexpr double kDiffuseRmse = 0.075, kDiffuseBias = 0.02;
 constexpr double kGlossyRmse = 0.07, kGlossyBias = 0.02;
 
 ReferenceResult reference(const Scene& scene) {
-    return renderReference(scene, {.width = kSize,
-                                   .height = kSize,
-                                   .camera = scene.cameras.front(),
-                                   .spp = 1024,
-                                   .quiet = true});
+    return renderReference(scene, smallParams(scene, kSize, 1024));
 }
 
 Comparison compare(const Image<vec3>& test, const Frame& frame, const Image<vec3>& truth,
@@ -50,8 +46,7 @@ TEST(AgainstTheReference, DiffuseRoomByBothMethods) {
 }
 
 TEST(AgainstTheReference, GlossyRoomByRadianceAndItsDiffusePartByIrradiance) {
-    const Scene scene = cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f),
-                                    glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.45f));
+    const Scene scene = glossyRoom(0.5f, 0.45f);
     const ReferenceResult truth = reference(scene);
     const RenderResult radiance = renderFrame(scene, smallRender(kSize, kSize));
     const Comparison glossy = compare(radiance.frame.indirect, radiance.frame, truth.frame.indirect,

@@ -62,8 +62,7 @@ void expectSame(const Image<vec4>& gpu, const Image<vec4>& cpu, float scale, con
 }
 
 TEST(Splat, GpuEqualsCpuForEveryOrder) {
-    const Scene scene = cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f),
-                                    glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.4f));
+    const Scene scene = glossyRoom(0.5f, 0.4f);
     TestStage stage(scene);
     const GBuffer g = stage.gbuffer(72, 60);
     for (int order = 3; order <= 8; ++order) {
@@ -88,8 +87,7 @@ TEST(Splat, GpuEqualsCpuForEveryOrder) {
 
 TEST(Splat, OrdersMayMix) {
     // By prediction each material has an order of its own; diffuse records lie beside glossy ones.
-    const Scene scene = cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.6f),
-                                    glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.3f));
+    const Scene scene = glossyRoom(0.6f, 0.3f);
     TestStage stage(scene);
     const GBuffer g = stage.gbuffer(64, 64);
     const PixelClasses classes = classifyPixels(scene, g, 0, false);
@@ -158,8 +156,7 @@ TEST(Splat, NoRecordsNoPixelsNoGloss) {
 TEST(PixelLobes, AConstantEnvironmentGivesTheAlbedo) {
     // Coefficients of constant radiance L: sqrt(4 pi) L in band 0. Convolved with the lobe and
     // scaled, that is the specular albedo of each channel times L.
-    const Scene scene = cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f),
-                                    glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, 0.4f));
+    const Scene scene = glossyRoom(0.5f, 0.4f);
     TestStage stage(scene);
     const GBuffer g = stage.gbuffer(48, 48);
     const PixelClasses classes = classifyPixels(scene, g, 5, false);

@@ -18,12 +18,13 @@ inline MaterialParams diffuseParams(const vec3& albedo, const vec3& emission = v
             .roughness = 1.0f};
 }
 
-inline MaterialParams glossyParams(const vec3& base, float metallic, float roughness) {
+inline MaterialParams glossyParams(const vec3& base, float metallic, float roughness,
+                                   const vec3& emission = vec3(0.0f)) {
     return {.base_color = base,
             .metallic = metallic,
             .specular_color = vec3(1.0f),
             .specular = 1.0f,
-            .emission = vec3(0.0f),
+            .emission = emission,
             .roughness = roughness};
 }
 
@@ -165,6 +166,12 @@ inline Scene cornellRoom(const MaterialParams& floor, const MaterialParams& box)
     scene.lights.push_back(pointLight(vec3(0.2f, 0.7f, 0.3f), vec3(1.0f, 0.9f, 0.8f)));
     scene.cameras.push_back(lookAt(vec3(0.1f, 0.1f, 0.95f), vec3(0.0f, -0.5f, -0.3f)));
     return scene;
+}
+
+/// The same with a plastic floor and a metal box.
+inline Scene glossyRoom(float floor_roughness = 0.4f, float box_roughness = 0.35f) {
+    return cornellRoom(glossyParams(vec3(0.5f), 0.0f, floor_roughness),
+                       glossyParams(vec3(0.9f, 0.7f, 0.4f), 1.0f, box_roughness));
 }
 
 /// The scene enlarged by s: lengths by s, intensities (candela) by s^2, so that radiance stays.

@@ -30,8 +30,9 @@ FN float planeCosine(float x0, float y0, float x1, float y1) {
 
 // Cosine of the polar angle at which a plane of half-extent h ends, at azimuth phi. The strip from
 // there to the horizon is what border texels stretch over: its solid angle is the integral of this
-// over phi, its cosine integral half that of the square. (The chapter's omega_border,
-// [GKB09, 8.4.1], is a solid angle and must not be multiplied by the texel's cosine.)
+// over phi, its cosine integral half that of the square. (The omega_border of [KGWAJ07], which
+// [GKB09, 8.4.1] describes in words, is a solid angle and must not be multiplied by the texel's
+// cosine.)
 FN float borderCosine(float phi, float h) {
     float r = h / max(abs(cos(phi)), abs(sin(phi)));
     return 1.0f / sqrt(1.0f + r * r);

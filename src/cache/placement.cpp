@@ -360,35 +360,35 @@ Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelCl
 }
 
 PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius) {
-    const vec3 d = center - view.origin;
-    const float z_axis_length = glm::length(view.forward);
-    const vec3 z_axis = view.forward / z_axis_length;
-    const float z = glm::dot(z_axis, d);
-    if (z < -radius) {
+    // Double precision: for a sphere that almost reaches the eye's plane the tangents are small
+    // differences of large numbers.
+    const glm::dvec3 d = glm::dvec3(center) - glm::dvec3(view.origin);
+    const double r = radius;
+    const double z_axis_length = glm::length(glm::dvec3(view.forward));
+    const double z = glm::dot(glm::dvec3(view.forward), d) / z_axis_length;
+    if (z < -r) {
         return {};
     }
     // Per image axis: the two planes through the eye that touch the sphere, [MM13].
-    const auto range = [&](const vec3& axis, int size, int& low, int& high) {
-        const float scale = glm::length(axis) / z_axis_length;
-        const float x = glm::dot(glm::normalize(axis), d);
-        const float distance2 = x * x + z * z;
-        const float tangent2 = distance2 - radius * radius;
+    const auto range = [&](const glm::dvec3& axis, int size, int& low, int& high) {
+        const double scale = glm::length(axis) / z_axis_length;
+        const double x = glm::dot(glm::normalize(axis), d);
+        const double tangent2 = x * x + z * z - r * r;
         low = 0;
         high = size;
-        if (z <= 1.0001f * radius || tangent2 <= 0.0f) {
+        if (z <= 1.0001 * r || tangent2 <= 0.0) {
             return;  // the sphere reaches behind the eye's plane: no bound on this axis
         }
-        const float root = radius * std::sqrt(tangent2);
-        const float denominator = z * z - radius * radius;
-        const float s0 = (x * z - root) / denominator / scale;
-        const float s1 = (x * z + root) / denominator / scale;
-        const auto pixel = [size](float s) {
-            return std::clamp((0.5f * s + 0.5f) * static_cast<float>(size), -1.0f,
-                              static_cast<float>(size) + 1.0f);
+        const double root = r * std::sqrt(tangent2);
+        const double denominator = z * z - r * r;
+        const double s0 = (x * z - root) / denominator / scale;
+        const double s1 = (x * z + root) / denominator / scale;
+        const auto pixel = [size](double s) {
+            return std::clamp((0.5 * s + 0.5) * size, -1.0, size + 1.0);
         };
         // A pixel counts where its centre may lie inside; one more on each side for rounding.
-        low = std::clamp(static_cast<int>(std::floor(pixel(s0) - 0.5f)), 0, size);
-        high = std::clamp(static_cast<int>(std::ceil(pixel(s1) + 0.5f)), 0, size);
+        low = std::clamp(static_cast<int>(std::floor(pixel(s0) - 0.5)), 0, size);
+        high = std::clamp(static_cast<int>(std::ceil(pixel(s1) + 0.5)), 0, size);
     };
     PixelRect rect;
     range(view.right, width, rect.x0, rect.x1);

@@ -23,10 +23,10 @@ class Context {
     virtual void release() = 0;
 };
 
-/// `threads`: how many the software rasteriser may use; a process's first context decides.
 /// Makes a context that shares buffers and textures with `share` (may be null) and makes it
-/// current. Errors of its debug output are kept for checkErrors(). Environment error when the
-/// backend cannot give OpenGL 4.5.
+/// current. `threads`: how many the software rasteriser may use; a process's first context decides.
+/// Errors of its debug output are kept for checkErrors(). Environment error when the backend cannot
+/// give OpenGL 4.5.
 std::unique_ptr<Context> makeContext(Backend backend, Context* share, int threads);
 
 /// Renderer name of the current context.

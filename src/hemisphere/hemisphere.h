@@ -56,8 +56,9 @@ struct Hemisphere {
     int width = 0;  ///< of the atlas
     int height = 0;
     std::vector<HemisphereFace> faces;
-    // Per texel of the atlas, row by row; solid angles sum to 2 pi and cosines to pi, except where
-    // the bare plane leaves a part out.
+    // Per texel of the atlas, row by row. Solid angles sum to 2 pi and cosines to pi for kBorder
+    // and kHemicube; for kPlane both to what the plane covers; for kLarsen cosines to pi, and solid
+    // angles, which are divided by the same share, to less than 2 pi.
     std::vector<vec3> directions;  ///< through the texel's centre
     std::vector<float> solid_angles;
     std::vector<float> cosines;       ///< integral of cos(theta)
@@ -71,7 +72,8 @@ struct Hemisphere {
 
 Hemisphere makeHemisphere(const HemisphereParams& params);
 
-/// The footprint of one texel in pieces whose solid angles sum to its own.
+/// The footprint of one texel in pieces whose solid angles sum to its own; for kLarsen to what the
+/// texel covers, which is less than what it counts for.
 std::vector<FootprintSample> footprint(const Hemisphere& hemisphere, int texel);
 
 }  // namespace sheen

@@ -64,17 +64,18 @@ std::vector<std::vector<uint32_t>> connectedPieces(const std::vector<uint32_t>& 
     return pieces;
 }
 
+using Corners = std::array<uint32_t, 3>;
+
 // Splits one piece that is too large for a cluster into connected patches.
 std::vector<std::vector<uint32_t>> splitIntoPatches(const Scene& scene,
                                                     const std::vector<uint32_t>& welded,
                                                     const std::vector<uint32_t>& triangles) {
     std::vector<uint32_t> indices;
-    // meshoptimizer returns triangles by their vertices; these lead back. Twins are taken in turn.
-    std::map<std::array<uint32_t, 3>, std::vector<uint32_t>> by_vertices;
+    // meshoptimizer returns triangles by their vertices; these lead back. Twins are taken in turn,
+    // but the two sides of a sheet, which are wound differently, are not mixed up.
+    std::map<Corners, std::vector<uint32_t>> by_vertices;
     const auto key = [](uint32_t a, uint32_t b, uint32_t c) {
-        std::array<uint32_t, 3> k{a, b, c};
-        std::sort(k.begin(), k.end());
-        return k;
+        return std::min({Corners{a, b, c}, Corners{b, c, a}, Corners{c, a, b}});
     };
     for (uint32_t t : triangles) {
         const uint32_t* v = &welded[3 * static_cast<size_t>(t)];
@@ -103,6 +104,32 @@ std::vector<std::vector<uint32_t>> splitIntoPatches(const Scene& scene,
         patches.push_back(std::move(patch));
     }
     return patches;
+}
+
+// A patch by layers: of triangles at the same three places, such as the two sides of a sheet, each
+// is in another one.
+std::vector<std::vector<uint32_t>> layersOf(const std::vector<uint32_t>& welded,
+                                            const std::vector<uint32_t>& patch) {
+    std::map<Corners, std::vector<uint32_t>> at_places;
+    const auto places = [&welded](uint32_t t) {
+        const uint32_t* v = &welded[3 * static_cast<size_t>(t)];
+        Corners sorted{v[0], v[1], v[2]};
+        std::sort(sorted.begin(), sorted.end());
+        return sorted;
+    };
+    for (uint32_t t : patch) {
+        at_places[places(t)].push_back(t);
+    }
+    std::vector<std::vector<uint32_t>> layers;
+    for (uint32_t t : patch) {
+        // In the scene's order: a sheet's sides follow each other, in all or in each of its parts.
+        const std::vector<uint32_t>& twins = at_places[places(t)];
+        const auto layer = static_cast<size_t>(
+            std::count_if(twins.begin(), twins.end(), [t](uint32_t other) { return other < t; }));
+        layers.resize(std::max(layers.size(), layer + 1));
+        layers[layer].push_back(t);
+    }
+    return layers;
 }
 
 // Appends triangles as one level.
@@ -200,11 +227,22 @@ void appendCluster(const Scene& scene, const std::vector<uint32_t>& welded,
     cluster.center = bounds.center();
     cluster.radius = 0.5f * bounds.size();
     cluster.levels[0] = appendLevel(triangles, patch, 0.0f, mesh);
-    const Simplifier simplifier(scene, welded, patch);
+    // One at a time: both sides of a sheet together are a closed surface, which has no border to
+    // keep.
+    std::vector<Simplifier> simplifiers;
+    for (const std::vector<uint32_t>& layer : layersOf(welded, patch)) {
+        simplifiers.emplace_back(scene, welded, layer);
+    }
     for (int level = 1; level < kLevelsOfDetail; ++level) {
         cluster.levels[level] = cluster.levels[level - 1];
-        float error = kLevelErrors[level] * scene.bounds.size();
-        const std::vector<uvec3> coarse = simplifier.simplify(error);
+        std::vector<uvec3> coarse;
+        float error = 0.0f;
+        for (const Simplifier& simplifier : simplifiers) {
+            float error_of_layer = kLevelErrors[level] * scene.bounds.size();
+            const std::vector<uvec3> layer = simplifier.simplify(error_of_layer);
+            coarse.insert(coarse.end(), layer.begin(), layer.end());
+            error = std::max(error, error_of_layer);
+        }
         // A level that saves little is not worth lighting.
         if (!coarse.empty() && 4 * coarse.size() <= 3 * cluster.levels[level].count) {
             // All of one material, so any triangle of the patch stands for where they came from.

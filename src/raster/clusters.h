@@ -9,11 +9,12 @@
 
 namespace sheen {
 
-/// A run of triangles in the order of ClusteredMesh::triangles.
+/// A run of triangles in the order of ClusteredMesh::triangles. The error is a mean over the planes
+/// that a vertex stands for: single points lie up to about three times as far off.
 struct LevelOfDetail {
     uint32_t first = 0;
     uint32_t count = 0;
-    float error = 0;  ///< greatest distance from the true surface, scene units; 0 for the finest
+    float error = 0;  ///< distance from the true surface, scene units; 0 for the finest
 };
 
 constexpr int kLevelsOfDetail = 4;
@@ -32,7 +33,8 @@ struct ClusteredMesh {
 };
 
 /// The finest levels together are exactly the scene's triangles. Coarser ones keep the cluster's
-/// border, so that neighbours of different levels still meet.
+/// border, so that neighbours of different levels still meet; only a straight piece of it may
+/// become one edge.
 ClusteredMesh buildClusters(const Scene& scene);
 
 }  // namespace sheen
