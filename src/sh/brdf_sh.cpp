@@ -120,7 +120,7 @@ LobePrediction predictLobeError(float NoV, float roughness) {
         // Coefficients of a cosine lobe with the same albedo: bands of max(z, 0) are zonal.
         // [RH01, eq. 19]
         const float cosine_band[] = {1.0f, 1.1547005f, 0.5590170f, 0.0f,        -0.125f,
-                                     0.0f, 0.0563372f, 0.0f,       -0.0322118f, 0.0f};
+                                     0.0f, 0.0563367f, 0.0f,       -0.0322118f, 0.0f};
         float power = 0.0f;
         float difference = 0.0f;
         for (int m = 0; m <= l; ++m) {
