@@ -45,7 +45,7 @@ TEST(ShBasis, BandsZeroToThreeHaveTheirClosedForms) {
         const vec3 d = i < 2 ? vec3(0, 0, i == 0 ? 1 : -1) : random.direction();
         const double x = d.x, y = d.y, z = d.z;
         const double pi = M_PI;
-        // [Slo13, appendix A2], without the Condon-Shortley phase.
+        // [Slo08, appendix A2], without the Condon-Shortley phase.
         const double expected[16] = {
             std::sqrt(1 / (4 * pi)),
             std::sqrt(3 / (4 * pi)) * y,

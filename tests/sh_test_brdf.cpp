@@ -2,6 +2,8 @@
 // itself; the rotator against the lobe in its own frame.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "scene/brdf_albedo.h"
 #include "sh/brdf_sh.h"
 #include "sh/brdf_sh_table.h"
@@ -12,25 +14,77 @@ namespace {
 
 const float kSqrt4Pi = std::sqrt(4.0f * kPi);
 
-// Both tables are sums of some thousand stratified samples, stored at their nodes.
-constexpr float kAlbedoError = 1e-3f;
-// The nodes differ, and the lobe changes fast toward grazing views of smooth surfaces: the table's
-// step in view angle is three degrees.
-constexpr float kAlbedoInterpolated = 1.5e-2f, kAlbedoGrazing = 5e-2f;
+// Band 0 against quadrature, where the issue asks for 5e-3. Measured: 1.6e-3 at view cosines from
+// 0.02, 2.3e-3 from MIN_VIEW_COSINE, which is where shading normals stop.
+constexpr double kAlbedoError = 2.5e-3;
+// Nodes of both tables, sums of some thousand samples.
+constexpr float kAlbedoAtNodes = 1e-3f;
+// Between nodes of both. Of it, 1e-2 is the albedo table's at view cosines below 0.02 and
+// roughness below 0.1.
+constexpr float kAlbedoInterpolated = 5e-3f, kAlbedoGrazing = 1.2e-2f;
 constexpr float kGrazing = 0.05f;  // view cosine
+// The light that a lobe lets through, typical light being (l + 1)^-1.3 in band l. Measured: 3e-3,
+// near the normal, where the table's step is three degrees.
+constexpr double kConvolutionError = 4e-3;
 // Table entries against quadrature on a fine grid; entries are below 1.
-constexpr double kTableError = 2e-3;
+constexpr double kTableError = 5e-4;
 // A rotated lobe is a sum of up to ten zonal harmonics a band, with weights of order one.
 constexpr float kRotationError = 2e-4f;
 
+// F0's and F90's parts of the lobe's coefficients by the midpoint rule over half vectors, in
+// double: with tan^2 = alpha^2 u / (1 - u), D cos dw_h is uniform in (u, phi), and dw_i = 4 (wo.h)
+// dw_h. Shares neither sampling nor arithmetic with the table.
+struct Lobe {
+    std::vector<double> a, b;
+};
+Lobe lobeByQuadrature(double NoV, double roughness, int order, int heights, int azimuths) {
+    const int count = order * (order + 1) / 2;
+    Lobe lobe{std::vector<double>(static_cast<size_t>(count)),
+              std::vector<double>(static_cast<size_t>(count))};
+    const double alpha = std::pow(std::max<double>(roughness, shared::MIN_ROUGHNESS), 2);
+    const double a2 = alpha * alpha;
+    const glm::dvec3 wo(std::sqrt(1.0 - NoV * NoV), 0.0, NoV);
+    for (int i = 0; i < heights; ++i) {
+        // Squared spacing at the far end: at grazing views few and far normals matter.
+        const double v = 1.0 - (i + 0.5) / heights;
+        const double tan2 = a2 * (1.0 - v * v) / (v * v);
+        const double NoH = 1.0 / std::sqrt(1.0 + tan2);
+        for (int j = 0; j < azimuths; ++j) {
+            const double phi = std::numbers::pi * (j + 0.5) / azimuths;
+            const double sin_h = std::sqrt(tan2) * NoH;
+            const glm::dvec3 h(sin_h * std::cos(phi), sin_h * std::sin(phi), NoH);
+            const double VoH = glm::dot(wo, h);
+            const glm::dvec3 wi = 2.0 * VoH * h - wo;
+            if (VoH <= 0.0 || wi.z <= 0.0) {
+                continue;
+            }
+            // [Hei14, eq. 99], [Sch94, eq. 15]
+            const double visibility = 0.5 / (wi.z * std::sqrt(NoV * NoV * (1.0 - a2) + a2) +
+                                             NoV * std::sqrt(wi.z * wi.z * (1.0 - a2) + a2));
+            const double value =
+                visibility * wi.z * 4.0 * VoH / NoH * 2.0 * v / (heights * azimuths);
+            const double f = std::pow(1.0 - VoH, 5.0);
+            const shared::ShVector y = shared::shBasis(glm::normalize(vec3(wi)), order);
+            for (int l = 0; l < order; ++l) {
+                for (int m = 0; m <= l; ++m) {
+                    const auto k = static_cast<size_t>(shTriangleIndex(l, m));
+                    const double basis = y.c[shared::shIndex(l, m)];
+                    lobe.a[k] += value * (1.0 - f) * basis;
+                    lobe.b[k] += value * f * basis;
+                }
+            }
+        }
+    }
+    return lobe;
+}
+
 TEST(BrdfSh, EntryZeroIsTheDirectionalAlbedo) {
-    // Nodes of both tables.
     for (float NoV : {0.0f, 1.0f}) {
         for (float roughness : {0.0f, 1.0f}) {
             const BrdfShSample lobe = brdfSh(NoV, roughness);
             const vec2 albedo = brdfAlbedo(NoV, roughness);
-            EXPECT_NEAR(lobe.a[0] * kSqrt4Pi, albedo.x, kAlbedoError) << NoV << " " << roughness;
-            EXPECT_NEAR(lobe.b[0] * kSqrt4Pi, albedo.y, kAlbedoError) << NoV << " " << roughness;
+            EXPECT_NEAR(lobe.a[0] * kSqrt4Pi, albedo.x, kAlbedoAtNodes) << NoV << " " << roughness;
+            EXPECT_NEAR(lobe.b[0] * kSqrt4Pi, albedo.y, kAlbedoAtNodes) << NoV << " " << roughness;
         }
     }
     Random random(1);
@@ -42,6 +96,49 @@ TEST(BrdfSh, EntryZeroIsTheDirectionalAlbedo) {
         const float error = NoV < kGrazing ? kAlbedoGrazing : kAlbedoInterpolated;
         EXPECT_NEAR(lobe.a[0] * kSqrt4Pi, albedo.x, error) << NoV << " " << roughness;
         EXPECT_NEAR(lobe.b[0] * kSqrt4Pi, albedo.y, error) << NoV << " " << roughness;
+    }
+}
+
+TEST(BrdfSh, AlbedoOfMetalsAndDielectricsAtEveryRoughnessAndView) {
+    // Steps that meet no node; finer toward smooth surfaces and grazing views.
+    for (double s = 0.0; s <= 1.0; s += 0.043) {
+        for (double t = 1.0; t >= 0.1; t -= 0.037) {
+            const double roughness = s * s;
+            const double NoV = t * t;
+            const Lobe truth = lobeByQuadrature(NoV, roughness, 1, 600, 100);
+            const BrdfShSample lobe =
+                brdfSh(static_cast<float>(NoV), static_cast<float>(roughness));
+            // Either part, white metal, gold's blue, dielectrics with and without grazing light.
+            const double fresnel[][2] = {{1, 0}, {0, 1}, {1, 1}, {0.3, 1}, {0.04, 1}, {0.04, 0.04}};
+            for (const auto& [f0, f90] : fresnel) {
+                EXPECT_NEAR((f0 * lobe.a[0] + f90 * lobe.b[0]) * kSqrt4Pi,
+                            (f0 * truth.a[0] + f90 * truth.b[0]) * kSqrt4Pi, kAlbedoError)
+                    << "NoV " << NoV << " roughness " << roughness << " F0 " << f0;
+            }
+        }
+    }
+}
+
+TEST(BrdfSh, BetweenNodesAllBandsAreIntegralsOfTheLobe) {
+    Random random(5);
+    for (int i = 0; i < 60; ++i) {
+        const float roughness = std::pow(random.uniform(0.0f, 1.0f), 2.0f);
+        const float NoV = std::pow(random.uniform(0.1f, 1.0f), i % 2 == 0 ? 2.0f : 0.5f);
+        const Lobe truth = lobeByQuadrature(NoV, roughness, shared::SH_MAX_ORDER, 300, 100);
+        const BrdfShSample lobe = brdfSh(NoV, roughness);
+        double error = 0.0, whole = 0.0;
+        for (int l = 0; l < shared::SH_MAX_ORDER; ++l) {
+            for (int m = 0; m <= l; ++m) {
+                const int k = shTriangleIndex(l, m);
+                const auto at = static_cast<size_t>(k);
+                const double expected = 0.9 * truth.a[at] + truth.b[at];
+                const double light = std::pow(l + 1.0, -1.3);
+                error += std::pow(light * (0.9 * lobe.a[k] + lobe.b[k] - expected), 2);
+                whole += std::pow(light * expected, 2);
+            }
+        }
+        EXPECT_LT(std::sqrt(error / whole), kConvolutionError)
+            << "NoV " << NoV << " roughness " << roughness;
     }
 }
 
@@ -59,7 +156,8 @@ TEST(BrdfSh, FiniteAndBoundedOverTheWholeTableAndBeyond) {
 }
 
 TEST(BrdfSh, TableEntriesAreIntegralsOfTheLobe) {
-    const int nodes[][2] = {{0, 23}, {10, 12}, {22, 16}, {6, 10}};  // (view cosine, roughness)
+    const int nodes[][2] = {
+        {63, 39}, {52, 28}, {34, 32}, {57, 25}, {16, 30}};  // (view cosine, roughness)
     for (const auto& node : nodes) {
         const vec2 at = brdfShParams(node[0], node[1]);
         const BrdfShSample lobe = brdfSh(at.x, at.y);
@@ -164,7 +262,7 @@ TEST(BrdfRotator, MirrorsInThePlaneOfIncidence) {
 }
 
 TEST(BrdfRotator, SeenAlongTheNormalTheLobeIsRound) {
-    // The table's column at NoV = 1 is round up to its sampling; m > 0 entries are what is left.
+    // The table's column at NoV = 1 is round up to rounding; m > 0 entries are what is left.
     Random random(4);
     const int order = shared::SH_MAX_ORDER;
     for (const vec3& n : {vec3(0, 0, 1), vec3(0, 0, -1), vec3(1, 0, 0), random.direction()}) {
@@ -176,7 +274,7 @@ TEST(BrdfRotator, SeenAlongTheNormalTheLobeIsRound) {
             const float cosine = glm::dot(a, n);
             const vec3 b = cosine * n + std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) * side;
             EXPECT_TRUE(std::isfinite(evaluate(c, a, order)));
-            EXPECT_NEAR(evaluate(c, a, order), evaluate(c, b, order), 0.02);
+            EXPECT_NEAR(evaluate(c, a, order), evaluate(c, b, order), kRotationError);
         }
     }
 }
@@ -190,7 +288,7 @@ TEST(BrdfRotator, NearlyAlongTheNormalStaysContinuous) {
         const std::vector<float> c =
             rotated(order, lobe, 1.0f, 1.0f, n, glm::normalize(vec3(tilt, 0, 1)));
         for (size_t k = 0; k < c.size(); ++k) {
-            EXPECT_NEAR(c[k], straight[k], 0.02f) << "tilt " << tilt << " coefficient " << k;
+            EXPECT_NEAR(c[k], straight[k], 2e-3f) << "tilt " << tilt << " coefficient " << k;
         }
     }
 }

@@ -176,7 +176,7 @@ TEST(PixelLobes, AConstantEnvironmentGivesTheAlbedo) {
         const vec2 ab = brdfAlbedo(glm::dot(vec3(g.normal.pixels[p]), wo), g.normal.pixels[p].w);
         const vec3 expected = vec3(g.f0.pixels[p]) * ab.x + vec3(g.diffuse.pixels[p].w * ab.y);
         // Two interpolated tables.
-        EXPECT_LT(glm::length(found - expected), 0.02f * glm::length(expected) + 1e-3f);
+        EXPECT_LT(glm::length(found - expected), 0.005f * glm::length(expected));
     }
     EXPECT_GT(glossy, 200);
 }

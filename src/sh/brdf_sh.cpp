@@ -23,12 +23,11 @@ float lightAmplitude(int l) { return std::pow(static_cast<float>(l + 1), -1.3f);
 }  // namespace
 
 BrdfShSample brdfSh(float NoV, float roughness) {
-    const float fx = std::acos(std::clamp(NoV, 0.0f, 1.0f)) * (2.0f / kPi) * (kBrdfShMu - 1);
-    const float fy = std::clamp(roughness, 0.0f, 1.0f) * (kBrdfShRoughness - 1);
-    const int x = std::min(static_cast<int>(fx), kBrdfShMu - 2);
-    const int y = std::min(static_cast<int>(fy), kBrdfShRoughness - 2);
-    const float tx = fx - static_cast<float>(x);
-    const float ty = fy - static_cast<float>(y);
+    const vec2 coord = brdfShCoord(NoV, roughness);
+    const int x = std::min(static_cast<int>(coord.x), kBrdfShMu - 2);
+    const int y = std::min(static_cast<int>(coord.y), kBrdfShRoughness - 2);
+    const float tx = coord.x - static_cast<float>(x);
+    const float ty = coord.y - static_cast<float>(y);
     const float* p00 = kTable + static_cast<size_t>(y * kBrdfShMu + x) * kStride;
     const float* p10 = p00 + kStride;
     const float* p01 = p00 + static_cast<size_t>(kBrdfShMu) * kStride;
@@ -120,7 +119,7 @@ LobePrediction predictLobeError(float NoV, float roughness) {
         // Coefficients of a cosine lobe with the same albedo: bands of max(z, 0) are zonal.
         // [RH01, eq. 19]
         const float cosine_band[] = {1.0f, 1.1547005f, 0.5590170f, 0.0f,        -0.125f,
-                                     0.0f, 0.0563372f, 0.0f,       -0.0322118f, 0.0f};
+                                     0.0f, 0.0563367f, 0.0f,       -0.0322118f, 0.0f};
         float power = 0.0f;
         float difference = 0.0f;
         for (int m = 0; m <= l; ++m) {

@@ -10,7 +10,9 @@
 
 namespace {
 
-constexpr int kSide = 64;  // stratified samples along a side
+// Sampled directions of the hemisphere that visible normals are warped from.
+constexpr int kPolar = 64;
+constexpr int kAzimuths = 32;  // evenly spaced, as suits a periodic integrand of ten bands
 
 }  // namespace
 
@@ -23,9 +25,14 @@ int main() {
             const float alpha = shared::alphaFromRoughness(params.y);
             const vec3 wo(std::sqrt(1.0f - mu * mu), 0.0f, mu);
             double sums[2][kShTriangle] = {};
-            for (int i = 0; i < kSide * kSide; ++i) {
-                const vec2 u((static_cast<float>(i % kSide) + 0.5f) / kSide,
-                             (static_cast<float>(i / kSide) + 0.5f) / kSide);
+            for (int i = 0; i < kPolar * kAzimuths; ++i) {
+                // Even steps of the polar angle. u.x is its squared sine, and even steps of that
+                // jump the rim, where the steepest normals come from.
+                const float polar =
+                    0.5f * kPi * (static_cast<float>(i / kAzimuths) + 0.5f) / kPolar;
+                const float du = 0.5f * kPi * std::sin(2.0f * polar);  // u.x per even step
+                const vec2 u(std::sin(polar) * std::sin(polar),
+                             (static_cast<float>(i % kAzimuths) + 0.5f) / kAzimuths);
                 const vec3 h = sampleGgxVisibleNormal(wo, alpha, u);
                 const float VoH = glm::dot(wo, h);
                 const vec3 wi = 2.0f * VoH * h - wo;
@@ -33,7 +40,7 @@ int main() {
                     continue;
                 }
                 const float g2 = 4.0f * wi.z * mu * shared::visibilitySmith(mu, wi.z, alpha);
-                const double weight = g2 / maskingSmith(mu, alpha) / (kSide * kSide);
+                const double weight = du * g2 / maskingSmith(mu, alpha) / (kPolar * kAzimuths);
                 const double f = shared::schlickWeight(VoH);
                 const shared::ShVector basis =
                     shared::shBasis(glm::normalize(wi), shared::SH_MAX_ORDER);
