@@ -91,9 +91,11 @@ TEST(Brdf, AlbedoTableAgreesWithQuadrature) {
 
 TEST(Brdf, AlbedoTableInterpolatesWithinHalfAPercent) {
     constexpr double kTolerance = 0.005;
-    for (double roughness = 0.144; roughness < 1.0; roughness += 0.083) {
-        for (double mu = 0.02; mu < 1.0; mu *= 1.21) {
-            const glm::dvec2 expected = albedoByQuadrature(mu, roughness * roughness);
+    for (double root = 0.0; root < 1.0; root += 0.061) {
+        const double roughness = root * root;
+        for (double mu = 0.01; mu < 1.0; mu *= 1.21) {
+            const glm::dvec2 expected =
+                albedoByQuadrature(mu, shared::alphaFromRoughness(static_cast<float>(roughness)));
             const vec2 table = brdfAlbedo(static_cast<float>(mu), static_cast<float>(roughness));
             const double whole = expected.x + expected.y;
             EXPECT_NEAR(table.x + table.y, whole, kTolerance * whole)

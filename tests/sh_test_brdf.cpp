@@ -19,10 +19,8 @@ const float kSqrt4Pi = std::sqrt(4.0f * kPi);
 constexpr double kAlbedoError = 2.5e-3;
 // Nodes of both tables, sums of some thousand samples.
 constexpr float kAlbedoAtNodes = 1e-3f;
-// Between nodes of both. Of it, 1e-2 is the albedo table's at view cosines below 0.02 and
-// roughness below 0.1.
-constexpr float kAlbedoInterpolated = 5e-3f, kAlbedoGrazing = 1.2e-2f;
-constexpr float kGrazing = 0.05f;  // view cosine
+// Between nodes of both.
+constexpr float kAlbedoInterpolated = 5e-3f;
 // The light that a lobe lets through, typical light being (l + 1)^-1.3 in band l. Measured: 3e-3,
 // near the normal, where the table's step is three degrees.
 constexpr double kConvolutionError = 4e-3;
@@ -93,9 +91,8 @@ TEST(BrdfSh, EntryZeroIsTheDirectionalAlbedo) {
         const float roughness = random.uniform(0.05f, 1.0f);
         const BrdfShSample lobe = brdfSh(NoV, roughness);
         const vec2 albedo = brdfAlbedo(NoV, roughness);
-        const float error = NoV < kGrazing ? kAlbedoGrazing : kAlbedoInterpolated;
-        EXPECT_NEAR(lobe.a[0] * kSqrt4Pi, albedo.x, error) << NoV << " " << roughness;
-        EXPECT_NEAR(lobe.b[0] * kSqrt4Pi, albedo.y, error) << NoV << " " << roughness;
+        EXPECT_NEAR(lobe.a[0] * kSqrt4Pi, albedo.x, kAlbedoInterpolated) << NoV << " " << roughness;
+        EXPECT_NEAR(lobe.b[0] * kSqrt4Pi, albedo.y, kAlbedoInterpolated) << NoV << " " << roughness;
     }
 }
 

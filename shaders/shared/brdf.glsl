@@ -17,7 +17,8 @@ const float MIN_COSINE = 1e-4f;
 // A shading normal is bent until it makes at least this cosine with the viewer.
 const float MIN_VIEW_COSINE = 1e-2f;
 
-// Size of the directional-albedo table; its axes are sqrt(NoV) and roughness, samples at the ends.
+// Size of the directional-albedo table; its axes are sqrt(NoV) and the root of roughness above
+// MIN_ROUGHNESS, since a smooth surface's albedo follows alpha / NoV; samples at the ends.
 const int ALBEDO_TABLE_MU = 64;
 const int ALBEDO_TABLE_ROUGHNESS = 32;
 
@@ -41,13 +42,16 @@ struct MaterialParams {
 
 // Continuous sample coordinates (x: NoV, y: roughness) in the albedo table, 0..size-1.
 FN vec2 albedoTableCoord(float NoV, float roughness) {
+    float above = clamp((roughness - MIN_ROUGHNESS) / (1.0f - MIN_ROUGHNESS), 0.0f, 1.0f);
     return vec2(sqrt(clamp(NoV, 0.0f, 1.0f)) * float(ALBEDO_TABLE_MU - 1),
-                clamp(roughness, 0.0f, 1.0f) * float(ALBEDO_TABLE_ROUGHNESS - 1));
+                sqrt(above) * float(ALBEDO_TABLE_ROUGHNESS - 1));
 }
 // The inverse: NoV and roughness of a table sample.
 FN vec2 albedoTableParams(int x, int y) {
     float root_mu = float(x) / float(ALBEDO_TABLE_MU - 1);
-    return vec2(root_mu * root_mu, float(y) / float(ALBEDO_TABLE_ROUGHNESS - 1));
+    float root_above = float(y) / float(ALBEDO_TABLE_ROUGHNESS - 1);
+    return vec2(root_mu * root_mu,
+                MIN_ROUGHNESS + (1.0f - MIN_ROUGHNESS) * root_above * root_above);
 }
 
 FN float alphaFromRoughness(float roughness) {
