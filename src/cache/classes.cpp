@@ -83,6 +83,7 @@ PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_o
                             bool irradiance_only) {
     PixelClasses classes;
     classes.orders = Image<int>(gbuffer.width, gbuffer.height, kNoOrder);
+    classes.by_rays = Image<uint8_t>(gbuffer.width, gbuffer.height);
     for (const Material& material : scene.materials) {
         classes.material_orders.push_back(
             irradiance_only ? shared::DIFFUSE_ORDER : materialOrder(material.params, sh_order));
@@ -111,13 +112,18 @@ PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_o
                 order = shared::DIFFUSE_ORDER;
             } else if (share * p.truncated[order] > kTooGlossy) {
                 ++too_glossy;
+                if (sh_order == 0) {
+                    classes.by_rays.at(x, y) = 1;
+                    order = shared::DIFFUSE_ORDER;
+                }
             }
         }
     });
     classes.too_glossy = too_glossy;
-    for (int order : classes.orders.pixels) {
+    for (size_t i = 0; i < classes.orders.pixels.size(); ++i) {
+        const int order = classes.orders.pixels[i];
         classes.geometry += order != kNoOrder ? 1 : 0;
-        classes.diffuse += order == shared::DIFFUSE_ORDER ? 1 : 0;
+        classes.diffuse += order == shared::DIFFUSE_ORDER && classes.by_rays.pixels[i] == 0 ? 1 : 0;
     }
     return classes;
 }

@@ -4,6 +4,7 @@
 
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "rays/jitter.h"
 
 namespace sheen {
 namespace {
@@ -11,21 +12,6 @@ namespace {
 // Texels whose rays are cast together: a block is seen in similar directions.
 constexpr int kBlockWidth = 4;
 constexpr int kBlockHeight = RayCaster::kPacket / kBlockWidth;
-
-// Pseudo-random bits for ray `ray` of record `record`: two rounds of the PCG hash [JO20].
-uint32_t randomBits(uint32_t record, uint32_t ray) {
-    const auto pcg = [](uint32_t x) {
-        const uint32_t state = x * 747796405u + 2891336453u;
-        const uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-        return (word >> 22u) ^ word;
-    };
-    return pcg(ray + pcg(record));
-}
-
-// A place within a texel, [0, 1)^2.
-vec2 placeInTexel(uint32_t bits) {
-    return vec2(static_cast<float>(bits & 0xffffu), static_cast<float>(bits >> 16)) * 0x1p-16f;
-}
 
 }  // namespace
 
@@ -74,10 +60,14 @@ std::vector<vec4> RayGatherer::see(const RecordSite& site, uint32_t index) const
                     for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
                         const auto texel = static_cast<size_t>((face.y + y) * h.width + face.x + x);
                         const vec2 place =
-                            placeInTexel(randomBits(index, static_cast<uint32_t>(texel)));
+                            randomPlace(index, static_cast<uint32_t>(texel));
                         const vec2 uv = (vec2(x, y) + place) * step - 1.0f;
-                        directions[rays] = glm::normalize(forward + uv.x * right + uv.y * up);
-                        of[rays++] = texel;
+                        const vec3 direction = glm::normalize(forward + uv.x * right + uv.y * up);
+                        // The shading normal's hemisphere may reach below the surface.
+                        if (glm::dot(direction, site.geometric_normal) > 0.0f) {
+                            directions[rays] = direction;
+                            of[rays++] = texel;
+                        }
                     }
                 }
                 rays_.cast(eye, {directions, rays}, seen);

@@ -34,10 +34,8 @@ struct Surface {
     float roughness = 0.0f;      ///< perceptual
     float offset = 0.0f;         ///< how far from the surface its rays start, scene units
 
-    /// Where a ray in direction w starts: on the side of the geometric surface that w points to.
-    vec3 rayOrigin(const vec3& w) const {
-        return position + (glm::dot(n_g, w) < 0.0f ? -offset : offset) * n_g;
-    }
+    /// Where a ray starts that leaves the surface on the side of wo.
+    vec3 rayOrigin() const { return position + offset * n_g; }
 };
 
 /// The scene's acceleration structure. The scene must outlive it. Safe to use from many threads.

@@ -54,7 +54,7 @@ vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) 
             continue;
         }
         ++counters.rays;
-        const vec3 origin = s.rayOrigin(sample.wi);
+        const vec3 origin = s.rayOrigin();
         bool hidden = false;
         if (sample.distance < 0.0f) {
             hidden = rays.occluded(origin, sample.wi, kInfinity);
@@ -69,6 +69,16 @@ vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) 
         }
     }
     return sum;
+}
+
+// What a path meets that leaves a surface in direction wi. The hemisphere of a shading normal reaches
+// below the geometric surface, from where no light comes.
+RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters& counters) {
+    if (glm::dot(s.n_g, wi) <= 0.0f) {
+        return {};
+    }
+    ++counters.rays;
+    return rays.intersect(s.rayOrigin(), wi);
 }
 
 // One sample of the indirect radiance, and of its diffuse part.
@@ -92,8 +102,7 @@ Indirect samplePath(const RayScene& rays, const Start& start, int bounces, uint3
     if (bounces == 0 || black(first.weight)) {
         return {};
     }
-    ++counters.rays;
-    RayHit hit = rays.intersect(p.rayOrigin(first.wi), first.wi);
+    RayHit hit = nextHit(rays, p, first.wi, counters);
     vec3 wi = first.wi;
     vec3 throughput(1.0f);
     vec3 radiance(0.0f);
@@ -113,8 +122,7 @@ Indirect samplePath(const RayScene& rays, const Start& start, int bounces, uint3
         }
         throughput *= next.weight;
         wi = next.wi;
-        ++counters.rays;
-        hit = rays.intersect(q.rayOrigin(wi), wi);
+        hit = nextHit(rays, q, wi, counters);
     }
     radiance *= guided.weight;
     return {.all = first.weight * radiance, .diffuse = first.diffuse * radiance};

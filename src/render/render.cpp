@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "cache/classes.h"
 #include "cache/placement.h"
 #include "cache/raster_gather.h"
 #include "cache/ray_gather.h"
+#include "cache/specular_rays.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "raster/gbuffer.h"
@@ -68,8 +70,8 @@ Placement placeWith(G& gatherer, const Scene& scene, const GBuffer& gbuffer,
     return placement;
 }
 
-// scene -> raster (shadow maps, G-buffer) -> classes -> placement, which gathers and projects ->
-// splat -> compose.
+// scene -> raster (shadow maps, G-buffer) -> classes -> rays where the cache cannot follow ->
+// placement, which gathers and projects -> splat -> compose.
 RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     const bool irradiance_only = params.method == Method::kIrradiance;
     const Camera& camera = findCamera(scene, params.camera);
@@ -95,10 +97,17 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     seconds.gbuffer = gbuffer_timer.seconds();
 
     Placement placement;
+    Image<vec3> traced(params.width, params.height);
     Timer gather_timer;
+    std::optional<RayCaster> rays;
+    if (by_rays || classes.too_glossy > 0) {
+        rays.emplace(scene);
+    }
+    if (classes.too_glossy > 0) {
+        traced = gatherSpecular(*rays, scene, gbuffer, classes);
+    }
     if (by_rays) {
-        const RayCaster rays(scene);
-        RayGatherer gatherer(rays, params.gather);
+        RayGatherer gatherer(*rays, params.gather);
         seconds.gather = gather_timer.seconds();
         placement = placeWith(gatherer, scene, gbuffer, classes, lobes, params, seconds);
     } else {
@@ -115,7 +124,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
 
     Timer compose_timer;
     const ComposeCounts counts =
-        compose(gbuffer, classes, lobes, splat, irradiance_only, result.frame);
+        compose(gbuffer, classes, lobes, splat, traced, irradiance_only, result.frame);
     if (params.all_layers) {
         result.frame.records =
             countRecords(gbuffer, classes, placement.cache, params.placement.weight());

@@ -15,7 +15,8 @@ bool finite(const vec3& v) {
 }  // namespace
 
 ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                      const SplatBuffer& splat, bool irradiance_only, Frame& frame) {
+                      const SplatBuffer& splat, const Image<vec3>& traced, bool irradiance_only,
+                      Frame& frame) {
     const int width = gbuffer.width;
     const int height = gbuffer.height;
     for (Image<vec3>* image : {&frame.direct, &frame.indirect, &frame.indirect_diffuse,
@@ -50,7 +51,9 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
             }
             const vec3 irradiance = vec3(sum) / sum.w;
             vec3 specular(0.0f);
-            if (classes.orders.at(x, y) > shared::DIFFUSE_ORDER) {
+            if (classes.by_rays.at(x, y) != 0) {
+                specular = traced.at(x, y);
+            } else if (classes.orders.at(x, y) > shared::DIFFUSE_ORDER) {
                 specular = lobes.scale.at(x, y) * vec3(splat.specular.at(x, y)) / sum.w;
             } else if (!irradiance_only) {
                 // The diffuse class: the lobe acts as a cosine of the same albedo.

@@ -39,9 +39,10 @@ struct ComposeCounts {
     int negative = 0;   ///< pixels with a channel below zero, clamped
 };
 
-/// Divides by the weights, applies the reflectances and fills the frame's layers.
-/// `irradiance_only`: the diffuse part alone, on all surfaces.
+/// Divides by the weights, applies the reflectances and fills the frame's layers. `traced`: what
+/// gatherSpecular() found. `irradiance_only`: the diffuse part alone, on all surfaces.
 ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                      const SplatBuffer& splat, bool irradiance_only, Frame& frame);
+                      const SplatBuffer& splat, const Image<vec3>& traced, bool irradiance_only,
+                      Frame& frame);
 
 }  // namespace sheen
