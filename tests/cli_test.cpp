@@ -286,6 +286,36 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
     EXPECT_GT(json["seconds"]["total"].get<double>(), 0.0);
 }
 
+TEST_F(CliTest, everyWayToGatherRenders) {
+    const char* const cached = "render scene.gltf --size 24x16 --gather-size 16";
+    for (const char* gather : {"ray", "hemicube", "border", "plane", "larsen"}) {
+        SCOPED_TRACE(gather);
+        const Outcome run = call(
+            fmt::format("{} --gather {} -o {}.exr --json {}.json", cached, gather, gather, gather));
+        ASSERT_EQ(run.code, 0) << run.err;
+        const Json json = Json::parse(textOf(file(std::string(gather) + ".json")));
+        EXPECT_EQ(json["method"], "radiance");
+        EXPECT_EQ(json["size"], Json::array({24, 16}));
+        EXPECT_GT(json["records"].get<int>(), 0);
+        EXPECT_GT(json["pixels_geometry"].get<int>(), 0);
+        EXPECT_LT(json["pixels_geometry"].get<int>(), 24 * 16);
+        for (const char* key : {"pixels_uncovered", "nonfinite_pixels"}) {
+            EXPECT_EQ(json[key], 0) << key;
+        }
+        EXPECT_NE(json["gl_renderer"], "");
+        EXPECT_FALSE(json.contains("mrays_per_second"));
+        for (const char* key : {"gather", "project", "placement"}) {
+            EXPECT_GE(json["seconds"][key].get<double>(), 0.0) << key;
+        }
+        EXPECT_EQ(json["seconds"]["trace"], 0.0);
+    }
+    // Left to itself the program gathers by rays, and the name decides which way it is.
+    ASSERT_EQ(call(fmt::format("{} -o default.exr", cached)).code, 0);
+    EXPECT_EQ(textOf(file("default.exr")), textOf(file("ray.exr")));
+    EXPECT_NE(textOf(file("hemicube.exr")), textOf(file("ray.exr")));
+    EXPECT_NE(textOf(file("hemicube.exr")), textOf(file("border.exr")));
+}
+
 TEST_F(CliTest, threadsAndRepetitionChangeNothing) {
     ASSERT_EQ(call(std::string(kReference) + " -o a.exr --threads 1").code, 0);
     ASSERT_EQ(call(std::string(kReference) + " -o b.exr --threads 2").code, 0);

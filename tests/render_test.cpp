@@ -37,15 +37,19 @@ void expectSane(const RenderResult& result, int width, int height) {
 
 TEST(Furnace, DiffuseSurfacesReflectTheirAlbedo) {
     const vec3 albedo(0.8f, 0.5f, 0.2f), Le(1.0f, 2.0f, 3.0f);
-    for (Method method : {Method::kRadiance, Method::kIrradiance}) {
-        const RenderResult result =
-            renderFrame(furnace(diffuseParams(albedo), Le), smallRender(48, 48, method));
-        expectSane(result, 48, 48);
-        for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
-            for (int c = 0; c < 3; ++c) {
-                const float expected = albedo[c] * Le[c];
-                EXPECT_NEAR(result.frame.indirect.pixels[i][c], expected, kFurnaceError * expected);
-                EXPECT_NEAR(result.frame.emission.pixels[i][c], Le[c], 1e-5f);
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        for (Method method : {Method::kRadiance, Method::kIrradiance}) {
+            const RenderResult result =
+                renderFrame(furnace(diffuseParams(albedo), Le), smallRender(48, 48, method, road));
+            expectSane(result, 48, 48);
+            for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+                for (int c = 0; c < 3; ++c) {
+                    const float expected = albedo[c] * Le[c];
+                    EXPECT_NEAR(result.frame.indirect.pixels[i][c], expected,
+                                kFurnaceError * expected);
+                    EXPECT_NEAR(result.frame.emission.pixels[i][c], Le[c], 1e-5f);
+                }
             }
         }
     }
@@ -53,21 +57,25 @@ TEST(Furnace, DiffuseSurfacesReflectTheirAlbedo) {
 
 TEST(Furnace, GlossySurfacesReflectTheirWholeAlbedo) {
     const vec3 base(0.8f, 0.5f, 0.2f), Le(1.0f, 2.0f, 3.0f);
-    for (const auto& [metallic, roughness] : {std::pair(0.0f, 0.5f), std::pair(1.0f, 0.4f),
-                                              std::pair(1.0f, 0.8f), std::pair(0.5f, 0.3f)}) {
-        const Scene scene = furnace(glossyParams(base, metallic, roughness), Le);
-        const RenderResult result = renderFrame(scene, smallRender(40, 40));
-        expectSane(result, 40, 40);
-        const vec3 eye(scene.cameras[0].world_from_camera[3]);
-        for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
-            const vec3 wo = glm::normalize(eye - result.frame.position.pixels[i]);
-            const vec2 ab = brdfAlbedo(glm::dot(result.frame.normal.pixels[i], wo), roughness);
-            const Brdf brdf = shared::makeBrdf(scene.materials[0].params, ab);
-            const vec3 expected = Le * (brdf.diffuse + brdf.f0 * ab.x + vec3(brdf.f90 * ab.y));
-            for (int c = 0; c < 3; ++c) {
-                EXPECT_NEAR(result.frame.indirect.pixels[i][c], expected[c],
-                            kFurnaceError * expected[c])
-                    << "metallic " << metallic << " roughness " << roughness << " pixel " << i;
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        for (const auto& [metallic, roughness] : {std::pair(0.0f, 0.5f), std::pair(1.0f, 0.4f),
+                                                  std::pair(1.0f, 0.8f), std::pair(0.5f, 0.3f)}) {
+            const Scene scene = furnace(glossyParams(base, metallic, roughness), Le);
+            const RenderResult result =
+                renderFrame(scene, smallRender(40, 40, Method::kRadiance, road));
+            expectSane(result, 40, 40);
+            const vec3 eye(scene.cameras[0].world_from_camera[3]);
+            for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+                const vec3 wo = glm::normalize(eye - result.frame.position.pixels[i]);
+                const vec2 ab = brdfAlbedo(glm::dot(result.frame.normal.pixels[i], wo), roughness);
+                const Brdf brdf = shared::makeBrdf(scene.materials[0].params, ab);
+                const vec3 expected = Le * (brdf.diffuse + brdf.f0 * ab.x + vec3(brdf.f90 * ab.y));
+                for (int c = 0; c < 3; ++c) {
+                    EXPECT_NEAR(result.frame.indirect.pixels[i][c], expected[c],
+                                kFurnaceError * expected[c])
+                        << "metallic " << metallic << " roughness " << roughness << " pixel " << i;
+                }
             }
         }
     }
@@ -80,14 +88,20 @@ TEST(SphereWithLightInside, OneBounceHasItsClosedForm) {
     addSphere(scene, vec3(0), R, 40, addMaterial(scene, diffuseParams(vec3(albedo))));
     scene.lights.push_back(pointLight(vec3(0), vec3(I)));
     scene.cameras.push_back(lookAt(vec3(0.5f, 0.3f, 1.0f), vec3(0, 0, -1)));
-    const RenderResult result = renderFrame(scene, smallRender(48, 48));
-    expectSane(result, 48, 48);
-    const float direct = albedo * I / (kPi * R * R);
-    for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
-        // Forty rings of facets: 0.2% off the sphere; shading normals 2 degrees off the facets'.
-        EXPECT_NEAR(result.frame.direct.pixels[i].x, direct, 0.01f * direct);
-        // Records see facets at coarser levels of detail, nearer to the light.
-        EXPECT_NEAR(result.frame.indirect.pixels[i].x, albedo * direct, 0.01f * albedo * direct);
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        const RenderResult result =
+            renderFrame(scene, smallRender(48, 48, Method::kRadiance, road));
+        expectSane(result, 48, 48);
+        const float direct = albedo * I / (kPi * R * R);
+        for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+            // Forty rings of facets: 0.2% off the sphere; shading normals 2 degrees off the
+            // facets'.
+            EXPECT_NEAR(result.frame.direct.pixels[i].x, direct, 0.01f * direct);
+            // By raster, records see facets at coarser levels of detail, nearer to the light.
+            EXPECT_NEAR(result.frame.indirect.pixels[i].x, albedo * direct,
+                        0.01f * albedo * direct);
+        }
     }
 }
 
@@ -104,45 +118,55 @@ std::vector<char> bytesOf(const Frame& frame) {
 
 TEST(RenderFrame, TheSameBitsRunToRunAndForAnyThreads) {
     const Scene scene = glossyRoom();
-    const RenderParams params = smallRender(64, 130);
-    setThreadCount(1);
-    const std::vector<char> first = bytesOf(renderFrame(scene, params).frame);
-    for (int threads : {1, 2, 3}) {
-        setThreadCount(threads);
-        EXPECT_TRUE(bytesOf(renderFrame(scene, params).frame) == first) << threads << " threads";
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        const RenderParams params = smallRender(64, 130, Method::kRadiance, road);
+        setThreadCount(1);
+        const std::vector<char> first = bytesOf(renderFrame(scene, params).frame);
+        for (int threads : {1, 2, 3}) {
+            setThreadCount(threads);
+            EXPECT_TRUE(bytesOf(renderFrame(scene, params).frame) == first)
+                << threads << " threads";
+        }
+        setThreadCount(0);
     }
-    setThreadCount(0);
 }
 
 // The software rasteriser's own threads are decided once a process: one process each.
 TEST(RenderFrameDeathTest, TheSameBitsInProcessesOfAnyThreads) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
-    const auto path = [](int threads) {
+    const auto path = [](GatherRoad road, int threads) {
         return std::filesystem::path(testing::TempDir()) /
-               ("sheen_render_threads_" + std::to_string(threads));
+               fmt::format("sheen_render_threads_{}_{}", static_cast<int>(road), threads);
     };
     // A child runs this test up to its own statement, so nothing may be checked in between.
-    for (int threads : {1, 2, 3}) {
-        EXPECT_EXIT(
-            {
-                setThreadCount(threads);
-                const std::vector<char> bytes =
-                    bytesOf(renderFrame(glossyRoom(), smallRender(48, 40)).frame);
-                std::ofstream(path(threads), std::ios::binary)
-                    .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-                std::_Exit(0);
-            },
-            testing::ExitedWithCode(0), "");
+    for (GatherRoad road : kRoads) {
+        for (int threads : {1, 2, 3}) {
+            EXPECT_EXIT(
+                {
+                    setThreadCount(threads);
+                    const RenderParams params = smallRender(48, 40, Method::kRadiance, road);
+                    const std::vector<char> bytes =
+                        bytesOf(renderFrame(glossyRoom(), params).frame);
+                    std::ofstream(path(road, threads), std::ios::binary)
+                        .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+                    std::_Exit(0);
+                },
+                testing::ExitedWithCode(0), "");
+        }
     }
-    std::vector<char> images[3];
-    for (int threads : {1, 2, 3}) {
-        std::ifstream file(path(threads), std::ios::binary);
-        images[threads - 1].assign(std::istreambuf_iterator<char>(file), {});
-        std::filesystem::remove(path(threads));
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        std::vector<char> images[3];
+        for (int threads : {1, 2, 3}) {
+            std::ifstream file(path(road, threads), std::ios::binary);
+            images[threads - 1].assign(std::istreambuf_iterator<char>(file), {});
+            std::filesystem::remove(path(road, threads));
+        }
+        ASSERT_FALSE(images[0].empty());
+        EXPECT_TRUE(images[1] == images[0]);
+        EXPECT_TRUE(images[2] == images[0]);
     }
-    ASSERT_FALSE(images[0].empty());
-    EXPECT_TRUE(images[1] == images[0]);
-    EXPECT_TRUE(images[2] == images[0]);
 }
 
 TEST(RenderFrame, ScalingTheSceneChangesNoPixel) {
@@ -150,21 +174,24 @@ TEST(RenderFrame, ScalingTheSceneChangesNoPixel) {
     // otherwise at edges: the images agree on average, not bit for bit.
     constexpr double kMeanDifference = 0.01;
     const Scene scene = glossyRoom();
-    const RenderParams params = smallRender(64, 64);
-    const Frame one = renderFrame(scene, params).frame;
-    double total = 0.0;
-    for (const vec3& v : one.indirect.pixels) {
-        total += v.x + v.y + v.z;
-    }
-    for (float s : {1000.0f, 0.001f}) {
-        const RenderResult other = renderFrame(scaled(scene, s), params);
-        expectSane(other, 64, 64);
-        double difference = 0.0;
-        for (size_t i = 0; i < one.indirect.pixels.size(); ++i) {
-            const vec3 d = glm::abs(other.frame.indirect.pixels[i] - one.indirect.pixels[i]);
-            difference += d.x + d.y + d.z;
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        const RenderParams params = smallRender(64, 64, Method::kRadiance, road);
+        const Frame one = renderFrame(scene, params).frame;
+        double total = 0.0;
+        for (const vec3& v : one.indirect.pixels) {
+            total += v.x + v.y + v.z;
         }
-        EXPECT_LT(difference, kMeanDifference * total) << "scale " << s;
+        for (float s : {1000.0f, 0.001f}) {
+            const RenderResult other = renderFrame(scaled(scene, s), params);
+            expectSane(other, 64, 64);
+            double difference = 0.0;
+            for (size_t i = 0; i < one.indirect.pixels.size(); ++i) {
+                const vec3 d = glm::abs(other.frame.indirect.pixels[i] - one.indirect.pixels[i]);
+                difference += d.x + d.y + d.z;
+            }
+            EXPECT_LT(difference, kMeanDifference * total) << "scale " << s;
+        }
     }
 }
 
@@ -174,13 +201,16 @@ TEST(RenderFrame, EmptySceneIsBlack) {
     Scene scene;
     scene.lights.push_back(pointLight(vec3(0), vec3(1)));
     scene.cameras.push_back(lookAt(vec3(0, 0, 1), vec3(0)));
-    for (Method method : {Method::kRadiance, Method::kIrradiance}) {
-        const RenderResult result = renderFrame(scene, smallRender(20, 10, method));
-        expectSane(result, 20, 10);
-        EXPECT_EQ(result.stats.records, 0);
-        EXPECT_EQ(result.stats.pixels_geometry, 0);
-        for (const vec3& v : beauty(result.frame).pixels) {
-            EXPECT_EQ(v, vec3(0.0f));
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        for (Method method : {Method::kRadiance, Method::kIrradiance}) {
+            const RenderResult result = renderFrame(scene, smallRender(20, 10, method, road));
+            expectSane(result, 20, 10);
+            EXPECT_EQ(result.stats.records, 0);
+            EXPECT_EQ(result.stats.pixels_geometry, 0);
+            for (const vec3& v : beauty(result.frame).pixels) {
+                EXPECT_EQ(v, vec3(0.0f));
+            }
         }
     }
 }
@@ -188,23 +218,31 @@ TEST(RenderFrame, EmptySceneIsBlack) {
 TEST(RenderFrame, NoLightsIsBlack) {
     Scene scene = glossyRoom();
     scene.lights.clear();
-    const RenderResult result = renderFrame(scene, smallRender(32, 32));
-    expectSane(result, 32, 32);
-    EXPECT_EQ(result.stats.pixels_geometry, 32 * 32);
-    for (const vec3& v : beauty(result.frame).pixels) {
-        EXPECT_EQ(v, vec3(0.0f));
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        const RenderResult result =
+            renderFrame(scene, smallRender(32, 32, Method::kRadiance, road));
+        expectSane(result, 32, 32);
+        EXPECT_EQ(result.stats.pixels_geometry, 32 * 32);
+        for (const vec3& v : beauty(result.frame).pixels) {
+            EXPECT_EQ(v, vec3(0.0f));
+        }
     }
 }
 
 TEST(RenderFrame, CameraInsideAnObject) {
     Scene scene = glossyRoom();
     scene.cameras[0] = lookAt(vec3(-0.3f, -0.7f, -0.2f), vec3(0.5f, 0, 0));  // in the box
-    const RenderResult result = renderFrame(scene, smallRender(32, 32));
-    expectSane(result, 32, 32);
-    EXPECT_EQ(result.stats.pixels_geometry, 32 * 32);
-    // No light gets in; the gather's eye is lifted off the walls.
-    for (const vec3& v : beauty(result.frame).pixels) {
-        EXPECT_LT(std::max({v.x, v.y, v.z}), 0.02f);
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        const RenderResult result =
+            renderFrame(scene, smallRender(32, 32, Method::kRadiance, road));
+        expectSane(result, 32, 32);
+        EXPECT_EQ(result.stats.pixels_geometry, 32 * 32);
+        // No light gets in; the gather's eye is lifted off the walls.
+        for (const vec3& v : beauty(result.frame).pixels) {
+            EXPECT_LT(std::max({v.x, v.y, v.z}), 0.02f);
+        }
     }
 }
 
@@ -225,24 +263,32 @@ TEST(RenderFrame, OpenSceneWithSkyAndInfiniteDistances) {
             addMaterial(scene, glossyParams(vec3(0.5f), 0.0f, 0.5f)));
     scene.lights.push_back(directionalLight(vec3(-0.2f, -1, 0), vec3(3)));
     scene.cameras.push_back(lookAt(vec3(0, 1, 4), vec3(0, 0.8f, 0)));
-    const RenderResult result = renderFrame(scene, smallRender(48, 48));
-    expectSane(result, 48, 48);
-    EXPECT_LT(result.stats.pixels_geometry, 48 * 48);
-    EXPECT_GT(result.stats.pixels_geometry, 48 * 10);
-    for (const vec3& v : result.frame.indirect.pixels) {
-        EXPECT_EQ(v, vec3(0.0f));
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        const RenderResult result =
+            renderFrame(scene, smallRender(48, 48, Method::kRadiance, road));
+        expectSane(result, 48, 48);
+        EXPECT_LT(result.stats.pixels_geometry, 48 * 48);
+        EXPECT_GT(result.stats.pixels_geometry, 48 * 10);
+        for (const vec3& v : result.frame.indirect.pixels) {
+            EXPECT_EQ(v, vec3(0.0f));
+        }
     }
 }
 
 TEST(RenderFrame, SmoothAndRoughEndsAndCrookedNormals) {
-    for (float roughness : {0.0f, 0.05f, 1.0f}) {
+    // What is seen does not depend on roughness: once is enough for the dearer road.
+    for (const auto& [road, roughness] :
+         {std::pair(GatherRoad::kRays, 0.0f), std::pair(GatherRoad::kRays, 0.05f),
+          std::pair(GatherRoad::kRays, 1.0f), std::pair(GatherRoad::kRaster, 0.05f)}) {
+        SCOPED_TRACE(nameOf(road));
         Scene scene = cornellRoom(glossyParams(vec3(0.9f), 1.0f, roughness),
                                   glossyParams(vec3(0.5f), 0.0f, roughness));
         Random random(3);
         for (vec3& n : scene.normals) {
             n = glm::normalize(n + 0.8f * random.direction());
         }
-        expectSane(renderFrame(scene, smallRender(32, 32)), 32, 32);
+        expectSane(renderFrame(scene, smallRender(32, 32, Method::kRadiance, road)), 32, 32);
     }
 }
 

@@ -72,15 +72,20 @@ TEST(AgainstTheReference, EveryWayToGather) {
         cornellRoom(diffuseParams(vec3(0.6f)), glossyParams(vec3(0.9f), 1.0f, 0.5f));
     const ReferenceResult truth = reference(scene);
     struct Expected {
+        GatherRoad road;
         HemisphereKind kind;
         double rmse, bias;
     };
     // The bare plane misses what lies near the horizon; Larsen's factor spreads that over the rest.
-    for (const Expected& e : {Expected{HemisphereKind::kBorder, kGlossyRmse, kGlossyBias},
-                              Expected{HemisphereKind::kHemicube, kGlossyRmse, kGlossyBias},
-                              Expected{HemisphereKind::kLarsen, 0.11, 0.02},
-                              Expected{HemisphereKind::kPlane, 0.11, 0.09}}) {
-        RenderParams params = smallRender(kSize, kSize);
+    constexpr GatherRoad kRays = GatherRoad::kRays, kRaster = GatherRoad::kRaster;
+    for (const Expected& e :
+         {Expected{kRays, HemisphereKind::kHemicube, kGlossyRmse, kGlossyBias},
+          Expected{kRaster, HemisphereKind::kBorder, kGlossyRmse, kGlossyBias},
+          Expected{kRaster, HemisphereKind::kHemicube, kGlossyRmse, kGlossyBias},
+          Expected{kRaster, HemisphereKind::kLarsen, 0.11, 0.02},
+          Expected{kRaster, HemisphereKind::kPlane, 0.11, 0.09}}) {
+        SCOPED_TRACE(nameOf(e.road));
+        RenderParams params = smallRender(kSize, kSize, Method::kRadiance, e.road);
         params.gather.kind = e.kind;
         // Records close together: what is left is the gather's own error.
         params.placement.accuracy = 0.15f;

@@ -6,9 +6,18 @@
 
 namespace sheen {
 
-inline RenderParams smallRender(int width, int height, Method method = Method::kRadiance) {
+constexpr GatherRoad kRoads[] = {GatherRoad::kRays, GatherRoad::kRaster};
+
+/// In messages of failed tests.
+inline const char* nameOf(GatherRoad road) {
+    return road == GatherRoad::kRays ? "by rays" : "by raster";
+}
+
+inline RenderParams smallRender(int width, int height, Method method = Method::kRadiance,
+                                GatherRoad road = GatherRoad::kRays) {
     RenderParams params;
     params.method = method;
+    params.gather_road = road;
     params.width = width;
     params.height = height;
     params.gather.size = 32;

@@ -1,0 +1,1 @@
+sheen_test(rays SOURCES rays_test.cpp rays_test_origin.cpp USES sheen_rays sheen_reference)
