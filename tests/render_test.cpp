@@ -59,8 +59,10 @@ TEST(Furnace, GlossySurfacesReflectTheirWholeAlbedo) {
     const vec3 base(0.8f, 0.5f, 0.2f), Le(1.0f, 2.0f, 3.0f);
     for (GatherRoad road : kRoads) {
         SCOPED_TRACE(nameOf(road));
-        for (const auto& [metallic, roughness] : {std::pair(0.0f, 0.5f), std::pair(1.0f, 0.4f),
-                                                  std::pair(1.0f, 0.8f), std::pair(0.5f, 0.3f)}) {
+        // The last three are left to rays in part or whole.
+        for (const auto& [metallic, roughness] :
+             {std::pair(0.0f, 0.5f), std::pair(1.0f, 0.4f), std::pair(1.0f, 0.8f),
+              std::pair(0.5f, 0.3f), std::pair(1.0f, 0.0f), std::pair(0.0f, 0.1f)}) {
             const Scene scene = furnace(glossyParams(base, metallic, roughness), Le);
             const RenderResult result =
                 renderFrame(scene, smallRender(40, 40, Method::kRadiance, road));
@@ -79,6 +81,72 @@ TEST(Furnace, GlossySurfacesReflectTheirWholeAlbedo) {
             }
         }
     }
+}
+
+// A mirror shows what a ray finds: each pixel of it is the emission of the wall it reflects.
+TEST(TooGlossy, MirrorShowsTheRoom) {
+    Scene scene;
+    uint32_t walls[6];
+    for (int i = 0; i < 6; ++i) {
+        walls[i] = addMaterial(
+            scene, diffuseParams(vec3(0.0f), vec3(static_cast<float>(i + 1), 1.0f, 0.5f)));
+    }
+    addBox(scene, vec3(-1), vec3(1), {walls[0], walls[1], walls[2], walls[3], walls[4], walls[5]},
+           true);
+    const float f0 = 0.9f;
+    const uint32_t mirror = addMaterial(scene, glossyParams(vec3(f0), 1.0f, 0.0f));
+    addQuad(scene, vec3(-0.9f, -0.95f, -0.9f), vec3(0, 0, 1.8f), vec3(1.8f, 0, 0), mirror);
+    scene.cameras.push_back(lookAt(vec3(0.1f, 0.0f, 0.8f), vec3(0.0f, -0.9f, -0.2f)));
+    for (GatherRoad road : kRoads) {
+        SCOPED_TRACE(nameOf(road));
+        const RenderResult result =
+            renderFrame(scene, smallRender(48, 48, Method::kRadiance, road));
+        expectSane(result, 48, 48);
+        const vec3 eye(scene.cameras[0].world_from_camera[3]);
+        int mirrored = 0, agree = 0;
+        for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+            if (result.frame.primitive.pixels[i] < 12u) {
+                EXPECT_EQ(result.frame.indirect.pixels[i], vec3(0.0f));  // black walls
+                continue;
+            }
+            // Where the reflected ray leaves the box.
+            const vec3 p = result.frame.position.pixels[i];
+            const vec3 d = glm::reflect(glm::normalize(p - eye), vec3(0, 1, 0));
+            const vec3 t = (glm::sign(d) - p) / d;
+            const int axis = t.x < t.y && t.x < t.z ? 0 : (t.y < t.z ? 1 : 2);
+            const vec3 hit = p + t[axis] * d;
+            float seen = 0.0f;
+            for (size_t k = 0; k < 12; k += 2) {
+                const vec3 n = geometricNormal(scene, static_cast<int>(k));
+                const vec3& corner = scene.positions[scene.triangles[k].x];
+                if (std::abs(glm::dot(hit - corner, n)) < 1e-4f) {
+                    seen = scene.materials[scene.materials_of[k]].params.emission.x;
+                }
+            }
+            const float fresnel = f0 + (1.0f - f0) * shared::schlickWeight(d.y);
+            ++mirrored;
+            // Pixels whose narrow lobe crosses an edge between two walls see both.
+            agree += std::abs(result.frame.indirect.pixels[i].x - fresnel * seen) < 0.02f * seen;
+        }
+        EXPECT_GT(mirrored, 48 * 48 / 4);
+        EXPECT_GT(agree, mirrored * 97 / 100);
+        EXPECT_NEAR(result.stats.too_glossy_share, mirrored / (48.0 * 48.0), 1e-9);
+    }
+}
+
+// A given order asks for its truncation: counted, and nothing is left to rays.
+TEST(TooGlossy, GivenOrderIsKept) {
+    const Scene scene = glossyRoom(0.1f, 0.1f);
+    RenderParams params = smallRender(32, 32);
+    const RenderResult by_rays = renderFrame(scene, params);
+    params.sh_order = 4;
+    const RenderResult truncated = renderFrame(scene, params);
+    EXPECT_GT(by_rays.stats.too_glossy_share, 0.1);
+    EXPECT_NEAR(truncated.stats.too_glossy_share, by_rays.stats.too_glossy_share, 0.05);
+    EXPECT_NE(truncated.frame.indirect.pixels, by_rays.frame.indirect.pixels);
+    params.method = Method::kIrradiance;
+    params.sh_order = 0;
+    EXPECT_EQ(renderFrame(scene, params).stats.too_glossy_share, 0.0);
 }
 
 TEST(SphereWithLightInside, OneBounceHasItsClosedForm) {

@@ -307,10 +307,30 @@ TEST(LobePrediction, MoreBandsNeverPredictMoreError) {
             for (int n = 0; n < shared::SH_MAX_ORDER; ++n) {
                 EXPECT_GE(p.truncated[n], p.truncated[n + 1]) << roughness << " " << NoV;
             }
-            EXPECT_EQ(p.truncated[shared::SH_MAX_ORDER], 0.0f);
+            EXPECT_GE(p.truncated[shared::SH_MAX_ORDER], 0.0f);
             EXPECT_TRUE(std::isfinite(p.truncated[0]) && std::isfinite(p.as_diffuse));
             EXPECT_GE(p.as_diffuse, 0.0f);
         }
+    }
+}
+
+// Beyond the table: a lobe that ends before band 10 leaves nothing out, a mirror nearly as much
+// again as light has there, and the prediction falls from one to the other with the lobe's width.
+TEST(LobePrediction, KnowsWhatTheHighestOrderMisses) {
+    // Every band of a mirror's lobe is 2 l + 1 times the square of band 0.
+    double mirror = 0.0;
+    for (int l = shared::SH_MAX_ORDER; l < 400; ++l) {
+        mirror += (2.0 * l + 1.0) * std::pow(l + 1.0, -2.6);
+    }
+    constexpr int kOrder = shared::SH_MAX_ORDER;
+    EXPECT_NEAR(predictLobeError(0.9f, 0.0f).truncated[kOrder], std::sqrt(mirror),
+                0.1 * std::sqrt(mirror));
+    EXPECT_LT(predictLobeError(0.9f, 1.0f).truncated[kOrder], 1e-3f);
+    float last = kInfinity;
+    for (float roughness : {0.0f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f}) {
+        const float error = predictLobeError(0.5f, roughness).truncated[kOrder];
+        EXPECT_LT(error, last) << roughness;
+        last = error;
     }
 }
 

@@ -202,6 +202,7 @@ Composed composeFour(const std::array<vec4, 4>& irradiance, int order) {
     g.primitive = Image<uint32_t>(4, 1, 0u);
     PixelClasses classes;
     classes.orders = Image<int>(4, 1, order);
+    classes.by_rays = Image<uint8_t>(4, 1);
     PixelLobes lobes{Image<int>(4, 1, order > 0 ? 0 : -1), {0.0f}, Image<vec3>(4, 1, vec3(1.0f))};
     SplatBuffer splat{Image<vec4>(4, 1), Image<vec4>(4, 1)};
     splat.irradiance.pixels.assign(irradiance.begin(), irradiance.end());
@@ -210,7 +211,7 @@ Composed composeFour(const std::array<vec4, 4>& irradiance, int order) {
         splat.irradiance.pixels.assign(4, vec4(0, 0, 0, 1));
     }
     Composed composed;
-    composed.counts = compose(g, classes, lobes, splat, false, composed.frame);
+    composed.counts = compose(g, classes, lobes, splat, Image<vec3>(4, 1), false, composed.frame);
     return composed;
 }
 

@@ -18,12 +18,12 @@ constexpr float kDiffuseBudget = 0.005f;
 /// less than this share.
 constexpr float kTruncationBudget = 0.025f;
 /// A pixel is too glossy for the cache where its material's order misses that by this much.
-constexpr float kTooGlossy = 0.1f;
+constexpr float kTooGlossy = 0.05f;
 
 struct PixelClasses {
-    Image<int> orders;                 ///< per pixel: kNoOrder, shared::DIFFUSE_ORDER or bands
-    Image<uint8_t> by_rays;            ///< 1: the specular light comes from rays, see gatherSpecular();
-                                       ///< the order is that of a diffuse pixel then
+    Image<int> orders;       ///< per pixel: kNoOrder, shared::DIFFUSE_ORDER or bands
+    Image<uint8_t> by_rays;  ///< 1: the specular light comes from rays, see gatherSpecular();
+                             ///< the order is that of a diffuse pixel then
     std::vector<int> material_orders;  ///< per material of the scene
     int geometry = 0;                  ///< pixels that see geometry
     int diffuse = 0;                   ///< of these, diffuse
@@ -34,8 +34,8 @@ struct PixelClasses {
 /// whose specular lobe never matters.
 int materialOrder(const MaterialParams& material, int sh_order);
 
-/// Classifies every pixel; `irradiance_only`: all as diffuse. Pixels that are too glossy are left to
-/// rays, unless a given `sh_order` asks for its truncation.
+/// Classifies every pixel; `irradiance_only`: all as diffuse. Pixels that are too glossy are left
+/// to rays, unless a given `sh_order` asks for its truncation.
 PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_order,
                             bool irradiance_only);
 

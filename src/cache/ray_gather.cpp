@@ -59,8 +59,7 @@ std::vector<vec4> RayGatherer::see(const RecordSite& site, uint32_t index) const
                 for (int y = y0; y < std::min(y0 + kBlockHeight, face.height); ++y) {
                     for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
                         const auto texel = static_cast<size_t>((face.y + y) * h.width + face.x + x);
-                        const vec2 place =
-                            randomPlace(index, static_cast<uint32_t>(texel));
+                        const vec2 place = randomPlace(index, static_cast<uint32_t>(texel));
                         const vec2 uv = (vec2(x, y) + place) * step - 1.0f;
                         const vec3 direction = glm::normalize(forward + uv.x * right + uv.y * up);
                         // The shading normal's hemisphere may reach below the surface.

@@ -6,6 +6,7 @@
 #include "cache/record.h"
 #include "core/parallel.h"
 #include "rays/jitter.h"
+#include "scene/brdf_albedo.h"
 #include "scene/ggx_sampling.h"
 
 namespace sheen {
@@ -13,10 +14,11 @@ namespace {
 
 // A row of samples is a packet of rays; the rows of a lobe follow from its width.
 constexpr int kRowSamples = RayCaster::kPacket;
-constexpr float kRowsPerAlpha = 80.0f;
-constexpr int kMaxRows = 8;
+constexpr float kRowsPerAlpha = 160.0f;
+constexpr int kMaxRows = 16;
 
-// What pixel i's lobe reflects: the estimator of visible normals, F G2 / G1 times what each ray sees.
+// What pixel i's lobe reflects: the estimator of visible normals, F G2 / G1 times what each ray
+// sees.
 vec3 reflected(const RayCaster& rays, const GBuffer& gbuffer, const vec3& n_g, size_t i) {
     const vec3 position(gbuffer.position.pixels[i]);
     const vec3 n(gbuffer.normal.pixels[i]);
@@ -30,34 +32,39 @@ vec3 reflected(const RayCaster& rays, const GBuffer& gbuffer, const vec3& n_g, s
     const vec3 eye = rays.origin(position, n_g, wo);
     const int rows = std::clamp(static_cast<int>(std::ceil(kRowsPerAlpha * alpha)), 1, kMaxRows);
     vec3 sum(0.0f);
+    vec3 all(0.0f);
     for (int row = 0; row < rows; ++row) {
         vec3 directions[kRowSamples];
         vec3 weights[kRowSamples];
         vec4 seen[kRowSamples];
         size_t count = 0;
         for (int k = 0; k < kRowSamples; ++k) {
-            const vec2 place = randomPlace(static_cast<uint32_t>(i),
-                                           static_cast<uint32_t>(row * kRowSamples + k));
+            const vec2 place =
+                randomPlace(static_cast<uint32_t>(i), static_cast<uint32_t>(row * kRowSamples + k));
             const vec2 u = (vec2(row, k) + place) / vec2(rows, kRowSamples);
             const vec3 h = sampleGgxVisibleNormal(wo_local, alpha, u);
             const float VoH = glm::dot(wo_local, h);
             const vec3 wi = 2.0f * VoH * h - wo_local;
             const vec3 direction = frame * wi;
-            if (wi.z <= 0.0f || VoH <= 0.0f || glm::dot(direction, n_g) <= 0.0f) {
+            if (wi.z <= 0.0f || VoH <= 0.0f) {
                 continue;
             }
             const float g2 = 4.0f * wi.z * NoV * shared::visibilitySmith(NoV, wi.z, alpha);
             const vec3 fresnel = f0 + (vec3(f90) - f0) * shared::schlickWeight(VoH);
-            directions[count] = glm::normalize(direction);
-            weights[count] = fresnel * (g2 / maskingSmith(NoV, alpha));
-            ++count;
+            const vec3 weight = fresnel * (g2 / maskingSmith(NoV, alpha));
+            all += weight;
+            if (glm::dot(direction, n_g) > 0.0f) {
+                directions[count] = glm::normalize(direction);
+                weights[count++] = weight;
+            }
         }
         rays.cast(eye, {directions, count}, seen);
         for (size_t k = 0; k < count; ++k) {
             sum += weights[k] * vec3(seen[k]);
         }
     }
-    return sum / static_cast<float>(rows * kRowSamples);
+    const vec2 ab = brdfAlbedo(NoV, gbuffer.normal.pixels[i].w);
+    return (f0 * ab.x + vec3(f90 * ab.y)) * sum / glm::max(all, vec3(1e-12f));
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 
 #include "cache/classes.h"
 #include "image/image.h"
-#include "rays/ray_caster.h"
 #include "raster/gbuffer.h"
+#include "rays/ray_caster.h"
 
 namespace sheen {
 

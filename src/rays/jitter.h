@@ -7,8 +7,8 @@
 
 namespace sheen {
 
-/// A pseudo-random place in [0, 1)^2 for ray `ray` of whatever has index `of`: two rounds of the PCG
-/// hash [JO20].
+/// A pseudo-random place in [0, 1)^2 for ray `ray` of whatever has index `of`: two rounds of the
+/// PCG hash [JO20].
 inline vec2 randomPlace(uint32_t of, uint32_t ray) {
     const auto pcg = [](uint32_t x) {
         const uint32_t state = x * 747796405u + 2891336453u;

@@ -71,8 +71,8 @@ vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) 
     return sum;
 }
 
-// What a path meets that leaves a surface in direction wi. The hemisphere of a shading normal reaches
-// below the geometric surface, from where no light comes.
+// What a path meets that leaves a surface in direction wi. The hemisphere of a shading normal
+// reaches below the geometric surface, from where no light comes.
 RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters& counters) {
     if (glm::dot(s.n_g, wi) <= 0.0f) {
         return {};

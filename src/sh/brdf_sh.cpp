@@ -114,6 +114,7 @@ LobePrediction predictLobeError(float NoV, float roughness) {
     // Relative to the response to constant light of the same mean: b_0 against itself.
     const float b0 = std::max(lobe.a[0], 1e-12f);
     float band_error[shared::SH_MAX_ORDER];
+    float share[shared::SH_MAX_ORDER];  // of what a mirror has in band l: 2 l + 1
     float diffuse_error = 0.0f;
     for (int l = 0; l < shared::SH_MAX_ORDER; ++l) {
         // Coefficients of a cosine lobe with the same albedo: bands of max(z, 0) are zonal.
@@ -130,11 +131,27 @@ LobePrediction predictLobeError(float NoV, float roughness) {
         }
         const float s = lightAmplitude(l);
         band_error[l] = s * s * power;
+        share[l] = power / static_cast<float>(2 * l + 1);
         diffuse_error += s * s * difference;
     }
     LobePrediction prediction{};
     prediction.as_diffuse = std::sqrt(diffuse_error);
+    // Beyond the table a lobe's share of a mirror falls on exponentially, as fast as over its last
+    // bands.
+    constexpr int kLast = shared::SH_MAX_ORDER - 1;
+    constexpr int kFitted = 3;
+    constexpr int kBands = 400;
+    const float fall =
+        std::pow(std::clamp(share[kLast] / std::max(share[kLast - kFitted], 1e-12f), 0.0f, 1.0f),
+                 1.0f / kFitted);
     float tail = 0.0f;
+    float beyond = share[kLast];
+    for (int l = shared::SH_MAX_ORDER; l < kBands; ++l) {
+        beyond *= fall;
+        const float s = lightAmplitude(l);
+        tail += s * s * beyond * static_cast<float>(2 * l + 1);
+    }
+    prediction.truncated[shared::SH_MAX_ORDER] = std::sqrt(tail);
     for (int n = shared::SH_MAX_ORDER - 1; n >= 0; --n) {
         tail += band_error[n];
         prediction.truncated[n] = std::sqrt(tail);

@@ -43,7 +43,7 @@ class BrdfRotator {
 /// Relative error, through a lobe, of light whose band l has amplitude (l + 1)^-1.3 (see
 /// lightAmplitude in brdf_sh.cpp): predicted RMS over the lobe's own response to constant light.
 struct LobePrediction {
-    float truncated[shared::SH_MAX_ORDER + 1];  ///< [n]: bands n and above left out; [10] is 0
+    float truncated[shared::SH_MAX_ORDER + 1];  ///< [n]: bands n and above left out
     float as_diffuse;  ///< the lobe replaced by a cosine of the same albedo
 };
 LobePrediction predictLobeError(float NoV, float roughness);
