@@ -9,9 +9,76 @@
 namespace sheen {
 namespace {
 
+constexpr int kPacket = RayCaster::kPacket;
 // Texels whose rays are cast together: a block is seen in similar directions.
 constexpr int kBlockWidth = 4;
-constexpr int kBlockHeight = RayCaster::kPacket / kBlockWidth;
+constexpr int kBlockHeight = kPacket / kBlockWidth;
+
+// A texel is looked at closer where its neighbours' light differs by more than this many times what
+// a texel contributes on average.
+constexpr float kContrast = 2.0f;
+
+// A face of the hemisphere in world space.
+struct WorldFace {
+    vec3 right, up, forward;
+    vec2 step;  // from texel to texel, in u and v
+
+    WorldFace(const HemisphereFace& face, const mat3& frame)
+        : right(frame * face.right),
+          up(frame * face.up),
+          forward(frame * face.forward),
+          step(2.0f / vec2(face.width, face.height)) {}
+
+    vec3 direction(int x, int y, const vec2& place) const {
+        const vec2 uv = (vec2(x, y) + place) * step - 1.0f;
+        return glm::normalize(forward + uv.x * right + uv.y * up);
+    }
+};
+
+// Rays that are cast together, and what they are for. Directions below the surface, to where the
+// shading normal's hemisphere may reach, are not cast: nothing comes from there.
+struct Packet {
+    vec3 directions[kPacket];
+    size_t of[kPacket];
+    vec4 seen[kPacket];
+    size_t count = 0;
+
+    void add(const vec3& direction, const vec3& n_g, size_t texel) {
+        if (glm::dot(direction, n_g) > 0.0f) {
+            directions[count] = direction;
+            of[count++] = texel;
+        }
+    }
+};
+
+// Which texels deserve more rays: those beside whose middle light changes. A texel is judged by its
+// neighbours and never by its own ray: were it looked at closer because its ray met something
+// bright, but not because it missed it, light would be lost.
+std::vector<uint8_t> texelsToRefine(const Hemisphere& h, const std::vector<vec4>& texels) {
+    const size_t count = texels.size();
+    std::vector<float> light(count);
+    float sum = 0.0f;
+    for (size_t t = 0; t < count; ++t) {
+        light[t] = (texels[t].x + texels[t].y + texels[t].z) * h.solid_angles[t];
+        sum += light[t];
+    }
+    std::vector<float> least(count, kInfinity);
+    std::vector<float> most(count, 0.0f);
+    const auto heed = [&](uint32_t t, uint32_t neighbour) {
+        least[t] = std::min(least[t], light[neighbour]);
+        most[t] = std::max(most[t], light[neighbour]);
+    };
+    for (const HemisphereWall& wall : h.walls) {
+        heed(wall.a, wall.b);
+        heed(wall.b, wall.a);
+    }
+    const float tolerated = kContrast * sum / static_cast<float>(count);
+    std::vector<uint8_t> refine(count);
+    for (size_t t = 0; t < count; ++t) {
+        refine[t] = most[t] - least[t] > tolerated ? 1 : 0;
+    }
+    return refine;
+}
 
 }  // namespace
 
@@ -45,34 +112,60 @@ std::vector<vec4> RayGatherer::see(const RecordSite& site, uint32_t index) const
     const mat3 frame = tangentFrame(site.normal);
     const vec3 eye = rays_.origin(site.position, site.geometric_normal, site.toward_viewer);
     std::vector<vec4> texels(static_cast<size_t>(h.texelCount()));
+    const auto texelOf = [&h](const HemisphereFace& face, int x, int y) {
+        return static_cast<size_t>((face.y + y) * h.width + face.x + x);
+    };
+
+    // One ray a texel.
     for (const HemisphereFace& face : h.faces) {
-        const vec3 right = frame * face.right;
-        const vec3 up = frame * face.up;
-        const vec3 forward = frame * face.forward;
-        const vec2 step = 2.0f / vec2(face.width, face.height);
+        const WorldFace world(face, frame);
         for (int y0 = 0; y0 < face.height; y0 += kBlockHeight) {
             for (int x0 = 0; x0 < face.width; x0 += kBlockWidth) {
-                vec3 directions[RayCaster::kPacket];
-                vec4 seen[RayCaster::kPacket];
-                size_t of[RayCaster::kPacket];
-                size_t rays = 0;
+                Packet packet;
                 for (int y = y0; y < std::min(y0 + kBlockHeight, face.height); ++y) {
                     for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
-                        const auto texel = static_cast<size_t>((face.y + y) * h.width + face.x + x);
-                        const vec2 place = randomPlace(index, static_cast<uint32_t>(texel));
-                        const vec2 uv = (vec2(x, y) + place) * step - 1.0f;
-                        const vec3 direction = glm::normalize(forward + uv.x * right + uv.y * up);
-                        // The shading normal's hemisphere may reach below the surface.
-                        if (glm::dot(direction, site.geometric_normal) > 0.0f) {
-                            directions[rays] = direction;
-                            of[rays++] = texel;
-                        }
+                        const size_t t = texelOf(face, x, y);
+                        const vec2 place = randomPlace(index, static_cast<uint32_t>(t));
+                        packet.add(world.direction(x, y, place), site.geometric_normal, t);
                     }
                 }
-                rays_.cast(eye, {directions, rays}, seen);
-                for (size_t k = 0; k < rays; ++k) {
-                    texels[of[k]] = seen[k];
+                rays_.cast(eye, {packet.directions, packet.count}, packet.seen);
+                for (size_t k = 0; k < packet.count; ++k) {
+                    texels[packet.of[k]] = packet.seen[k];
                 }
+            }
+        }
+    }
+
+    // A packet more where light changes from texel to texel.
+    const std::vector<uint8_t> refine = texelsToRefine(h, texels);
+    for (const HemisphereFace& face : h.faces) {
+        const WorldFace world(face, frame);
+        for (int y = 0; y < face.height; ++y) {
+            for (int x = 0; x < face.width; ++x) {
+                const size_t t = texelOf(face, x, y);
+                if (refine[t] == 0) {
+                    continue;
+                }
+                Packet packet;
+                for (int k = 0; k < kPacket; ++k) {
+                    const size_t ray = texels.size() + t * kPacket + static_cast<size_t>(k);
+                    const vec2 place = (vec2(k % kBlockWidth, k / kBlockWidth) +
+                                        randomPlace(index, static_cast<uint32_t>(ray))) /
+                                       vec2(kBlockWidth, kBlockHeight);
+                    packet.add(world.direction(x, y, place), site.geometric_normal, t);
+                }
+                rays_.cast(eye, {packet.directions, packet.count}, packet.seen);
+                // The mean of radiance, and of the distance's inverse, over all nine rays.
+                vec3 radiance(texels[t]);
+                float inverse = texels[t].w > 0.0f ? 1.0f / texels[t].w : 0.0f;
+                for (size_t k = 0; k < packet.count; ++k) {
+                    radiance += vec3(packet.seen[k]);
+                    inverse += packet.seen[k].w > 0.0f ? 1.0f / packet.seen[k].w : 0.0f;
+                }
+                constexpr float kShare = 1.0f / (1 + kPacket);
+                texels[t] =
+                    vec4(kShare * radiance, inverse > 0.0f ? 1.0f / (kShare * inverse) : 0.0f);
             }
         }
     }

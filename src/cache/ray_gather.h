@@ -1,4 +1,5 @@
-// Gathering by rays: one through each texel of a record's hemisphere, at a random place within it.
+// Gathering by rays: one through each texel of a record's hemisphere, at a random place within it,
+// and more where light changes from texel to texel.
 #pragma once
 
 #include <cstdint>
