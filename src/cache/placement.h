@@ -17,8 +17,8 @@ struct PlacementParams {
     float accuracy = 0.5f;       ///< Ward's a
     float normal_weight = 4.0f;  ///< k_n of the weight function
     float slab = 0.1f;           ///< c of the weight function
-    float min_pixels = 6.0f;     ///< least reach a R, in footprints of the record's pixel
-    float max_pixels = 40.0f;    ///< greatest reach
+    float min_pixels = 2.0f;     ///< least reach a R, in footprints of the record's pixel
+    float max_pixels = 20.0f;    ///< greatest reach
     bool neighbour_clamping = true;
     float disagreement = 0.2f;    ///< times `accuracy`: relative error at which a record's reach
                                   ///< should end, as judged by its neighbours; 0: not asked
