@@ -25,6 +25,7 @@ const std::map<std::string, Setter> kSetters = {
     {"normal_weight", [](RenderParams& p, float v) { p.placement.normal_weight = v; }},
     {"slab", [](RenderParams& p, float v) { p.placement.slab = v; }},
     {"min_pixels", [](RenderParams& p, float v) { p.placement.min_pixels = v; }},
+    {"overlap", [](RenderParams& p, float v) { p.placement.overlap = v; }},
     {"max_pixels", [](RenderParams& p, float v) { p.placement.max_pixels = v; }},
     {"clamping", [](RenderParams& p, float v) { p.placement.neighbour_clamping = v > 0; }},
     {"disagreement", [](RenderParams& p, float v) { p.placement.disagreement = v; }},

@@ -317,7 +317,7 @@ Placement Placer::run(bool quiet) {
     // by no more than a share of it.
     for (Placed& p : placed_) {
         Record& r = p.gathered.record;
-        const float reach = params_.accuracy * r.radius;
+        const float reach = params_.servingWeight().accuracy * r.radius;
         vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
         const ShLayout layout = shLayout(r.order);
         for (int c = 0; c < 3; ++c) {

@@ -26,8 +26,16 @@ struct PlacementParams {
     int coarsest_stride = 16;     ///< of the grids that are scanned: a power of two
     float gradient_limit = 0.5f;  ///< greatest extrapolated change relative to the value
 
+    float overlap = 1.5f;  ///< how much farther records serve than they were placed for
+
+    /// The weight that decides where records are needed.
     WeightParams weight() const {
         return {.accuracy = accuracy, .normal_weight = normal_weight, .slab = slab};
+    }
+    /// The weight by which they serve: more of them at each pixel, so that what each one got wrong
+    /// by chance averages out.
+    WeightParams servingWeight() const {
+        return {.accuracy = overlap * accuracy, .normal_weight = normal_weight, .slab = slab};
     }
 };
 

@@ -12,13 +12,14 @@
 namespace sheen {
 namespace {
 
-// A row of samples is a packet of rays; the rows of a lobe follow from its width.
+// A row of samples is a packet of rays; how many rows a lobe gets follows from its width.
 constexpr int kRowSamples = RayCaster::kPacket;
 constexpr float kRowsPerAlpha = 160.0f;
 constexpr int kMaxRows = 16;
 
-// What pixel i's lobe reflects: the estimator of visible normals, F G2 / G1 times what each ray
-// sees.
+// What pixel i's lobe reflects: its albedo times the mean of what the rays see, weighted by the
+// estimator of visible normals, F G2 / G1. The weights' own mean is the albedo as well; dividing by
+// it takes their noise away, and constant light is reflected exactly.
 vec3 reflected(const RayCaster& rays, const GBuffer& gbuffer, const vec3& n_g, size_t i) {
     const vec3 position(gbuffer.position.pixels[i]);
     const vec3 n(gbuffer.normal.pixels[i]);

@@ -119,7 +119,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
 
     Timer splat_timer;
     const SplatBuffer splat =
-        splatGpu(pool, gbuffer, classes, lobes, placement.cache, params.placement.weight());
+        splatGpu(pool, gbuffer, classes, lobes, placement.cache, params.placement.servingWeight());
     seconds.splat = splat_timer.seconds();
 
     Timer compose_timer;
@@ -127,7 +127,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
         compose(gbuffer, classes, lobes, splat, traced, irradiance_only, result.frame);
     if (params.all_layers) {
         result.frame.records =
-            countRecords(gbuffer, classes, placement.cache, params.placement.weight());
+            countRecords(gbuffer, classes, placement.cache, params.placement.servingWeight());
     }
     pool.runOnFirst([&] { gpu = {}; });
     countPixels(result);
