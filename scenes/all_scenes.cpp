@@ -4,10 +4,10 @@ namespace sheen::scenes {
 
 const std::vector<NamedScene>& allScenes() {
     static const std::vector<NamedScene> scenes = {
-        {"cornell_diffuse.glb", &cornellDiffuse},
-        {"cornell_glossy.glb", &cornellGlossy},
-        {"venus_glossy.glb", &venusGlossy},
-        {"atrium.glb", &atrium},
+        {"cornell_diffuse.glb", &cornellDiffuse, true},
+        {"cornell_glossy.glb", &cornellGlossy, true},
+        {"venus_glossy.glb", &venusGlossy, true},
+        {"atrium.glb", &atrium, true},
         {"furnace.glb", &furnace},
         {"sphere_room.glb", &sphereRoom},
     };

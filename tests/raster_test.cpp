@@ -93,6 +93,15 @@ TEST(SphereInView, NeverLosesAVisibleSphere) {
     EXPECT_FALSE(sphereInView(view, vec3(10, 0, 2), 1.0f));
 }
 
+TEST(SphereInView, ParallelViewsKeepWhatReachesThem) {
+    const View view = parallelView(vec3(1, 2, 3), vec3(2, 0, 0), vec3(0, 0.5f, 0), vec3(0, 0, -4));
+    EXPECT_TRUE(sphereInView(view, vec3(1, 2, 1), 0.1f));
+    EXPECT_TRUE(sphereInView(view, vec3(3.09f, 2, 1), 0.1f));
+    EXPECT_FALSE(sphereInView(view, vec3(3.11f, 2, 1), 0.1f));
+    EXPECT_TRUE(sphereInView(view, vec3(1, 1.41f, 1), 0.1f));
+    EXPECT_FALSE(sphereInView(view, vec3(1, 1.39f, 1), 0.1f));
+}
+
 // ---- G-buffer -----------------------------------------------------------------------------------
 
 // Positions come from single-precision rays; relative to the scene's size.

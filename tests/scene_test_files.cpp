@@ -1,19 +1,15 @@
 // The scenes that come with Sheen: the committed files are what the program makes, are small, and
 // change only on purpose.
+#include "scene_test_files.h"
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
 
 #include "scene_test_gltf.h"
-#include "scenes/all_scenes.h"
 
 namespace sheen {
-namespace scenes {
-
-void PrintTo(const NamedScene& scene, std::ostream* out) { *out << scene.file_name; }
-
-}  // namespace scenes
 namespace {
 
 constexpr size_t kLargestFile = 2'000'000;
@@ -21,15 +17,6 @@ constexpr size_t kLargestFile = 2'000'000;
 std::vector<uint8_t> committed(const std::string& name) {
     std::ifstream in(std::string(SHEEN_SCENES) + "/" + name, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-// FNV-1a, 64 bits.
-uint64_t hashOf(const std::vector<uint8_t>& bytes) {
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (const uint8_t byte : bytes) {
-        hash = (hash ^ byte) * 0x100000001b3u;
-    }
-    return hash;
 }
 
 struct Expected {

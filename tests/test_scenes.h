@@ -119,7 +119,7 @@ inline PunctualLight pointLight(const vec3& position, const vec3& intensity) {
             .kind = shared::LIGHT_POINT,
             .first_view = 0,
             .cos_outer = -1.0f,
-            .pad = 0};
+            .view_tiles = 1};
 }
 
 inline PunctualLight directionalLight(const vec3& direction, const vec3& illuminance) {

@@ -7,6 +7,11 @@ layout(std430, binding = 6) readonly buffer ShadowViews { View shadow_views[]; }
 layout(binding = 0) uniform sampler2DArrayShadow shadow_maps;
 uniform float shadow_resolution;
 
+// Added to the lift below, for what is not flat, and how much nearer to a light that shines from a
+// point its shadow is looked up; texels.
+const float LEAST_LIFT = 0.1;
+const float NEARER = 3.0;
+
 // Which of a point light's six views sees a point in direction d: the major axis.
 int cubeFace(vec3 d) {
     vec3 a = abs(d);
@@ -19,21 +24,35 @@ int cubeFace(vec3 d) {
     return d.z >= 0.0 ? 4 : 5;
 }
 
+// Which of a directional light's views sees p; `first` is the one at the corner.
+int sunTile(View first, vec3 p, int tiles) {
+    vec2 c = viewCoordinates(first, p).xy * SHADOW_MARGIN;  // [-1, 1]: the first tile without margin
+    ivec2 tile = clamp(ivec2(floor(0.5 * c + 0.5)), ivec2(0), ivec2(tiles - 1));
+    return tile.y * tiles + tile.x;
+}
+
 // Fraction of the light that reaches p, whose geometric normal n_g faces it. The receiver is lifted
 // along its normal by what a tilted surface varies across the filter's footprint, so that a surface
-// never shadows itself.
+// never shadows itself: by half the footprint times the sine of its tilt against the map's plane.
+// Light that comes from a point is then compared a few texels nearer to it, so that two surfaces
+// that meet in a hollow edge do not shadow each other there.
 float lightVisibility(PunctualLight light, vec3 p, vec3 n_g) {
     int index = light.first_view;
     if (light.kind == LIGHT_POINT || (light.kind == LIGHT_SPOT && light.cos_outer < SPOT_CUBE_COSINE)) {
         index += cubeFace(p - light.position);
     }
+    if (light.kind == LIGHT_DIRECTIONAL && light.view_tiles > 1) {
+        index += sunTile(shadow_views[index], p, light.view_tiles);
+    }
     View view = shadow_views[index];
     float along = dot(view.dual_forward, p - view.origin);
     float texel = view.texel_size * (view.kind == VIEW_PARALLEL ? 1.0 : along);
-    vec4 clip = clipFromWorld(view, p + n_g * (texel * SHADOW_LIFT_TEXELS));
+    float tilt = length(cross(n_g, normalize(view.forward)));
+    float lift = texel * (SHADOW_LIFT_TEXELS * tilt + LEAST_LIFT);
+    vec4 clip = clipFromWorld(view, p + n_g * lift);
     vec3 ndc = clip.xyz / clip.w;
     vec2 uv = 0.5 * ndc.xy + 0.5;
-    float depth = ndc.z + 4e-7;
+    float depth = view.kind == VIEW_PARALLEL ? ndc.z + 4e-7 : ndc.z * (1.0 + NEARER * view.texel_size);
     float layer = float(index);
 #if SHADOW_TAPS == 1
     return texture(shadow_maps, vec4(uv, layer, depth));

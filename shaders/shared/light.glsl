@@ -19,7 +19,7 @@ struct PunctualLight {
     int kind;
     int first_view;       // its shadow maps: set when they are made
     float cos_outer;      // of a spot's cone; -1 otherwise
-    int pad;
+    int view_tiles;       // along a side of a directional light's map
 };
 
 struct LightSample {

@@ -72,7 +72,7 @@ FN PunctualLight twinLight(IN(vec4) a, IN(vec4) b, IN(vec4) c, int kind) {
     light.kind = kind;
     light.first_view = 0;
     light.cos_outer = -0.25f;
-    light.pad = 0;
+    light.view_tiles = 1;
     return light;
 }
 

@@ -199,8 +199,7 @@ void ClusterDrawer::setViews(const GpuScene& gpu, std::span<const View> views, f
     for (const View& view : views) {
         first_triangles_.push_back(static_cast<int>(triangles.size()));
         for (const Cluster& cluster : gpu.clusters) {
-            if (view.kind == shared::VIEW_PERSPECTIVE &&
-                !sphereInView(view, cluster.center, cluster.radius)) {
+            if (!sphereInView(view, cluster.center, cluster.radius)) {
                 continue;
             }
             const float distance = glm::length(cluster.center - view.origin) - cluster.radius;

@@ -14,9 +14,14 @@ constexpr float kSpotCubeCosine = 0.5f;
 constexpr int64_t kShadowBytes = int64_t{256} << 20;
 constexpr int kMinResolution = 256;
 constexpr int kMaxResolution = 4096;
+constexpr int kMaxSunTiles = 4;
+constexpr int kMinTiledResolution = 1024;  // below, kMargin is fewer texels than the filter needs
 // Half the width of the shadow filter in texels, diagonally, plus a margin.
-constexpr float kLiftTexelsWide = 3.0f;
-constexpr float kLiftTexelsSingle = 1.2f;
+constexpr float kLiftTexelsWide = 2.2f;
+constexpr float kLiftTexelsSingle = 1.5f;
+// How much wider than the part it is used for a view is that has neighbours, so that the filter at
+// its edge still finds texels.
+constexpr float kMargin = 1.01f;
 
 bool needsCube(const PunctualLight& light) {
     return light.kind == shared::LIGHT_POINT ||
@@ -37,8 +42,6 @@ void appendCube(const PunctualLight& light, float near, std::vector<View>& views
         vec3 right;
         vec3 up;
         completeFrame(f, right, up);
-        // A little wider than the face, so that the filter at its edge still finds texels.
-        constexpr float kMargin = 1.01f;
         views.push_back(perspectiveView(light.position, right * kMargin, up * kMargin, f, near));
         views.back().texel_size = 2.0f * kMargin;
     }
@@ -55,14 +58,57 @@ void appendSpot(const PunctualLight& light, float near, std::vector<View>& views
     views.back().texel_size = 2.0f * tan_outer;
 }
 
-void appendDirectional(const PunctualLight& light, const Bounds& bounds, std::vector<View>& views) {
+// The bounds as the light sees them, in tiles x tiles views, row by row as in sunTile() in
+// direct.glsl.
+void appendDirectional(const PunctualLight& light, const Bounds& bounds, int tiles,
+                       std::vector<View>& views) {
     vec3 right;
     vec3 up;
     completeFrame(light.direction, right, up);
-    const float radius = std::max(0.505f * bounds.size(), 1e-6f);
-    views.push_back(parallelView(bounds.center() - light.direction * radius, right * radius,
-                                 up * radius, light.direction * (2.0f * radius)));
-    views.back().texel_size = 2.0f * radius;
+    const mat3 world_from_light(right, up, light.direction);
+    // A box's extent along a direction is that of its edges.
+    const vec3 edges = bounds.empty() ? vec3(1.0f) : bounds.upper - bounds.lower;
+    const vec3 center = bounds.empty() ? vec3(0.0f) : bounds.center();
+    vec3 half;
+    for (int axis = 0; axis < 3; ++axis) {
+        half[axis] = 0.505f * glm::dot(glm::abs(world_from_light[axis]), edges);
+    }
+    half = glm::max(half, std::max(0.01f * glm::length(edges), 1e-6f));  // flat scenes
+    const vec2 tile = vec2(half) / static_cast<float>(tiles);
+    const float margin = tiles > 1 ? kMargin : 1.0f;
+    for (int y = 0; y < tiles; ++y) {
+        for (int x = 0; x < tiles; ++x) {
+            const vec2 offset = tile * vec2(2 * x + 1 - tiles, 2 * y + 1 - tiles);
+            const vec3 origin =
+                center + right * offset.x + up * offset.y - light.direction * half.z;
+            views.push_back(parallelView(origin, right * (margin * tile.x), up * (margin * tile.y),
+                                         light.direction * (2.0f * half.z)));
+            views.back().texel_size = 2.0f * margin * std::max(tile.x, tile.y);
+        }
+    }
+}
+
+// All views of all lights, each light told where its own begin.
+std::vector<View> lightViews(const Scene& scene, int sun_tiles,
+                             std::vector<PunctualLight>& lights) {
+    std::vector<View> views;
+    const float near = nearDistance(scene);
+    for (PunctualLight& light : lights) {
+        light.first_view = static_cast<int>(views.size());
+        if (light.kind == shared::LIGHT_DIRECTIONAL) {
+            light.view_tiles = sun_tiles;
+            appendDirectional(light, scene.bounds, sun_tiles, views);
+        } else if (needsCube(light)) {
+            appendCube(light, near, views);
+        } else {
+            appendSpot(light, near, views);
+        }
+    }
+    return views;
+}
+
+bool fits(int resolution, size_t layers) {
+    return int64_t{4} * resolution * resolution * static_cast<int64_t>(layers) <= kShadowBytes;
 }
 
 }  // namespace
@@ -70,30 +116,28 @@ void appendDirectional(const PunctualLight& light, const Bounds& bounds, std::ve
 std::vector<std::string> shadingDefines(int taps) {
     return {fmt::format("SHADOW_TAPS {}", taps),
             fmt::format("SHADOW_LIFT_TEXELS {}", taps == 1 ? kLiftTexelsSingle : kLiftTexelsWide),
+            fmt::format("SHADOW_MARGIN {}", kMargin),
             fmt::format("SPOT_CUBE_COSINE {:.1f}", kSpotCubeCosine)};
 }
 
 void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {
     using namespace gl;
     std::vector<PunctualLight> lights = scene.lights;
-    std::vector<View> views;
-    const float near = nearDistance(scene);
-    for (PunctualLight& light : lights) {
-        light.first_view = static_cast<int>(views.size());
-        if (light.kind == shared::LIGHT_DIRECTIONAL) {
-            appendDirectional(light, scene.bounds, views);
-        } else if (needsCube(light)) {
-            appendCube(light, near, views);
-        } else {
-            appendSpot(light, near, views);
+    std::vector<View> views = lightViews(scene, 1, lights);
+    int resolution = kMaxResolution;
+    while (resolution > kMinResolution && !fits(resolution, views.size())) {
+        resolution /= 2;
+    }
+    // A directional light's view covers the whole scene: what memory is left makes it finer.
+    for (int tiles = 2; tiles <= kMaxSunTiles && resolution >= kMinTiledResolution; ++tiles) {
+        std::vector<PunctualLight> tiled = scene.lights;
+        std::vector<View> tiled_views = lightViews(scene, tiles, tiled);
+        if (tiled_views.size() > views.size() && fits(resolution, tiled_views.size())) {
+            lights = std::move(tiled);
+            views = std::move(tiled_views);
         }
     }
     const int layers = std::max(static_cast<int>(views.size()), 1);
-    int resolution = kMaxResolution;
-    while (resolution > kMinResolution &&
-           int64_t{4} * resolution * resolution * layers > kShadowBytes) {
-        resolution /= 2;
-    }
     if (views.empty()) {
         resolution = 1;
     }

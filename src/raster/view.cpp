@@ -1,6 +1,8 @@
 #include "raster/view.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace sheen {
 namespace {
@@ -48,6 +50,12 @@ float nearDistance(const Scene& scene) { return kNearOverOffset * surfaceOffset(
 
 bool sphereInView(const View& view, const vec3& center, float radius) {
     const vec3 d = center - view.origin;
+    if (view.kind == shared::VIEW_PARALLEL) {
+        const vec3 duals[] = {view.dual_right, view.dual_up};
+        return std::all_of(std::begin(duals), std::end(duals), [&](const vec3& dual) {
+            return std::abs(glm::dot(dual, d)) <= 1.0f + radius * glm::length(dual);
+        });
+    }
     const vec3 planes[] = {view.dual_forward, view.dual_forward + view.dual_right,
                            view.dual_forward - view.dual_right, view.dual_forward + view.dual_up,
                            view.dual_forward - view.dual_up};

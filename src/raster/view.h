@@ -27,7 +27,7 @@ View cameraView(const Camera& camera, int width, int height, float near);
 /// what stepping off a surface (surfaceOffset()) uncovers of that surface.
 float nearDistance(const Scene& scene);
 
-/// Whether a sphere may be seen in a perspective view (conservative).
+/// Whether a sphere may be seen in a view (conservative). A parallel view is taken as endless.
 bool sphereInView(const View& view, const vec3& center, float radius);
 
 }  // namespace sheen
