@@ -118,7 +118,9 @@ FN vec3 evalBrdf(IN(Brdf) b, IN(vec3) n, IN(vec3) wo, IN(vec3) wi) {
     if (dot(n, wi) <= 0.0f) {
         return vec3(0.0f);
     }
-    return b.diffuse / PI + evalSpecular(b, n, wo, wi);
+    vec3 diffuse = b.diffuse / PI;
+    // Only a Lambertian surface has no reflectance at grazing incidence.
+    return b.f90 == 0.0f && b.f0 == vec3(0.0f) ? diffuse : diffuse + evalSpecular(b, n, wo, wi);
 }
 
 // Two-sidedness: surfaces are opaque and shade on both sides. The geometric normal turned to the

@@ -46,7 +46,10 @@ Met surfaceAt(const Scene& scene, uint32_t triangle, float u, float v, const vec
     const vec2 uv = w * scene.uvs[t.x] + u * scene.uvs[t.y] + v * scene.uvs[t.z];
     const MaterialParams material =
         materialAt(scene, scene.materials[scene.materials_of[triangle]], uv);
-    met.brdf = shared::makeBrdf(material, brdfAlbedo(glm::dot(met.n, wo), material.roughness));
+    // A Lambertian surface needs no albedo of a lobe it does not have.
+    const bool lambertian = material.metallic == 0.0f && material.specular == 0.0f;
+    met.brdf = shared::makeBrdf(
+        material, lambertian ? vec2(0.0f) : brdfAlbedo(glm::dot(met.n, wo), material.roughness));
     met.emission = material.emission;
     return met;
 }
@@ -149,20 +152,22 @@ void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions,
     for (const PunctualLight& light : scene_.lights) {
         Mask lit;
         alignas(32) RTCRay8 shadow{};
-        vec3 scattered[kPacket];
+        vec3 wi[kPacket];
+        vec3 irradiance[kPacket];  // on the surface, unshadowed
         for (int k = 0; k < count; ++k) {
             if (cast.lanes[k] == 0) {
                 continue;
             }
             const Met& m = met[k];
-            const vec3 start = this->origin(m.position, m.n_g, m.wo);
             const LightSample l = shared::sampleLight(light, m.position);
             const float NoL = glm::dot(m.n, l.wi);
             if (NoL <= 0.0f || glm::dot(m.n_g, l.wi) <= 0.0f) {
                 continue;
             }
-            scattered[k] = shared::evalBrdf(m.brdf, m.n, m.wo, l.wi) * l.irradiance * NoL;
+            wi[k] = l.wi;
+            irradiance[k] = l.irradiance * NoL;
             lit.lanes[k] = -1;
+            const vec3 start = this->origin(m.position, m.n_g, m.wo);
             if (l.distance < 0.0f) {
                 setRay(shadow, k, start, l.wi, kInfinity);
             } else {
@@ -175,7 +180,8 @@ void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions,
         for (int k = 0; k < count; ++k) {
             // Embree sets tfar to -infinity where something is in the way.
             if (lit.lanes[k] != 0 && shadow.tfar[k] >= 0.0f) {
-                seen[k] += vec4(scattered[k], 0.0f);
+                const Met& m = met[k];
+                seen[k] += vec4(shared::evalBrdf(m.brdf, m.n, m.wo, wi[k]) * irradiance[k], 0.0f);
             }
         }
     }
