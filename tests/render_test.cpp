@@ -283,9 +283,8 @@ TEST(RenderFrame, EmptySceneIsBlack) {
     }
 }
 
-TEST(RenderFrame, NoLightsIsBlack) {
-    Scene scene = glossyRoom();
-    scene.lights.clear();
+// Every pixel of a view full of geometry is at most `limit`, by both roads.
+void expectDark(const Scene& scene, float limit) {
     for (GatherRoad road : kRoads) {
         SCOPED_TRACE(nameOf(road));
         const RenderResult result =
@@ -293,25 +292,22 @@ TEST(RenderFrame, NoLightsIsBlack) {
         expectSane(result, 32, 32);
         EXPECT_EQ(result.stats.pixels_geometry, 32 * 32);
         for (const vec3& v : beauty(result.frame).pixels) {
-            EXPECT_EQ(v, vec3(0.0f));
+            EXPECT_LE(std::max({v.x, v.y, v.z}), limit);
+            EXPECT_GE(std::min({v.x, v.y, v.z}), 0.0f);
         }
     }
+}
+
+TEST(RenderFrame, NoLightsIsBlack) {
+    Scene scene = glossyRoom();
+    scene.lights.clear();
+    expectDark(scene, 0.0f);
 }
 
 TEST(RenderFrame, CameraInsideAnObject) {
     Scene scene = glossyRoom();
     scene.cameras[0] = lookAt(vec3(-0.3f, -0.7f, -0.2f), vec3(0.5f, 0, 0));  // in the box
-    for (GatherRoad road : kRoads) {
-        SCOPED_TRACE(nameOf(road));
-        const RenderResult result =
-            renderFrame(scene, smallRender(32, 32, Method::kRadiance, road));
-        expectSane(result, 32, 32);
-        EXPECT_EQ(result.stats.pixels_geometry, 32 * 32);
-        // No light gets in; the gather's eye is lifted off the walls.
-        for (const vec3& v : beauty(result.frame).pixels) {
-            EXPECT_LT(std::max({v.x, v.y, v.z}), 0.02f);
-        }
-    }
+    expectDark(scene, std::nextafter(0.02f, 0.0f));  // the gather's eye is lifted off the walls
 }
 
 TEST(RenderFrame, OnePixelVeryWideAndVeryTall) {

@@ -96,13 +96,10 @@ class Placer {
 };
 
 RecordSite Placer::siteAt(int pixel) const {
-    const vec3 n = normal(pixel);
-    const auto triangle = static_cast<int>(gbuffer_.primitive.pixels[static_cast<size_t>(pixel)]);
-    const vec3 wo = glm::normalize(gbuffer_.view.origin - position(pixel));
     return {.position = position(pixel),
-            .normal = n,
-            .geometric_normal = shared::faceViewer(geometricNormal(scene_, triangle), wo),
-            .toward_viewer = wo,
+            .normal = normal(pixel),
+            .geometric_normal = gbuffer_.geometricNormalAt(scene_, pixel),
+            .toward_viewer = glm::normalize(gbuffer_.view.origin - position(pixel)),
             .order = order(pixel)};
 }
 

@@ -50,9 +50,8 @@ vec3 reflected(const RayCaster& rays, const GBuffer& gbuffer, const vec3& n_g, s
             if (wi.z <= 0.0f || VoH <= 0.0f) {
                 continue;
             }
-            const float g2 = 4.0f * wi.z * NoV * shared::visibilitySmith(NoV, wi.z, alpha);
             const vec3 fresnel = f0 + (vec3(f90) - f0) * shared::schlickWeight(VoH);
-            const vec3 weight = fresnel * (g2 / maskingSmith(NoV, alpha));
+            const vec3 weight = fresnel * visibleNormalWeight(NoV, wi.z, alpha);
             all += weight;
             if (glm::dot(direction, n_g) > 0.0f) {
                 directions[count] = glm::normalize(direction);
@@ -78,11 +77,9 @@ Image<vec3> gatherSpecular(const RayCaster& rays, const Scene& scene, const GBuf
             if (classes.by_rays.at(x, y) == 0) {
                 continue;
             }
-            const auto i = static_cast<size_t>(y * gbuffer.width + x);
-            const vec3 wo = gbuffer.view.origin - vec3(gbuffer.position.pixels[i]);
-            const auto triangle = static_cast<int>(gbuffer.primitive.pixels[i]);
-            const vec3 n_g = shared::faceViewer(geometricNormal(scene, triangle), wo);
-            specular.pixels[i] = reflected(rays, gbuffer, n_g, i);
+            const int i = y * gbuffer.width + x;
+            specular.at(x, y) = reflected(rays, gbuffer, gbuffer.geometricNormalAt(scene, i),
+                                          static_cast<size_t>(i));
         }
     });
     return specular;

@@ -78,4 +78,11 @@ GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& 
     return result;
 }
 
+vec3 GBuffer::geometricNormalAt(const Scene& scene, int i) const {
+    const auto pixel = static_cast<size_t>(i);
+    const auto triangle = static_cast<int>(primitive.pixels[pixel]);
+    return shared::faceViewer(geometricNormal(scene, triangle),
+                              view.origin - vec3(position.pixels[pixel]));
+}
+
 }  // namespace sheen

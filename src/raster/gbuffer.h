@@ -22,6 +22,8 @@ struct GBuffer {
     float pixel_angle = 0;  ///< width of a pixel at depth 1
 
     bool seen(int i) const { return position.pixels[static_cast<size_t>(i)].w > 0.0f; }
+    /// Unit, of the triangle that pixel i sees, on the camera's side.
+    vec3 geometricNormalAt(const Scene& scene, int i) const;
 };
 
 /// Rasterises the scene and lights it directly; needs the shadow maps.

@@ -1,5 +1,6 @@
-// Rays that see light: what a ray meets first, lit by the punctual lights.
-// Based on: [WWB14].
+// Rays that see light: what a ray meets first, lit by the punctual lights. The reference has rays
+// of its own (reference/ray_scene.h): were they these, a mistake here would go unseen by what
+// judges it. Based on: [WWB14].
 #pragma once
 
 #include <embree3/rtcore.h>

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/math.h"
+#include "scene/shared.h"
 
 namespace sheen {
 
@@ -28,6 +29,14 @@ inline vec3 sampleGgxVisibleNormal(const vec3& wo_local, float alpha, const vec2
 inline float maskingSmith(float mu, float alpha) {
     const float tan2 = (1.0f - mu * mu) / std::max(mu * mu, 1e-12f);
     return 2.0f / (1.0f + std::sqrt(1.0f + alpha * alpha * tan2));
+}
+
+/// What a sample by visible normals weighs, the Fresnel factor not included: BRDF times cosine over
+/// the probability of the direction, G2 / G1. `mu` and `NoL`: cosines of wo and of the direction.
+/// [Hei18]
+inline float visibleNormalWeight(float mu, float NoL, float alpha) {
+    const float g2 = 4.0f * NoL * mu * shared::visibilitySmith(mu, NoL, alpha);
+    return g2 / maskingSmith(mu, alpha);
 }
 
 }  // namespace sheen

@@ -42,8 +42,7 @@ int main() {
                 if (NoL <= 0.0f || VoH <= 0.0f) {
                     continue;
                 }
-                const float g2 = 4.0f * NoL * mu * shared::visibilitySmith(mu, NoL, alpha);
-                const double weight = g2 / maskingSmith(mu, alpha);
+                const double weight = visibleNormalWeight(mu, NoL, alpha);
                 const double f = shared::schlickWeight(VoH);
                 a += (1.0 - f) * weight;
                 b += f * weight;

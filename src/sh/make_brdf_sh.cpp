@@ -39,8 +39,8 @@ int main() {
                 if (wi.z <= 0.0f || VoH <= 0.0f) {
                     continue;
                 }
-                const float g2 = 4.0f * wi.z * mu * shared::visibilitySmith(mu, wi.z, alpha);
-                const double weight = du * g2 / maskingSmith(mu, alpha) / (kPolar * kAzimuths);
+                const double weight =
+                    du * visibleNormalWeight(mu, wi.z, alpha) / (kPolar * kAzimuths);
                 const double f = shared::schlickWeight(VoH);
                 const shared::ShVector basis =
                     shared::shBasis(glm::normalize(wi), shared::SH_MAX_ORDER);
