@@ -25,6 +25,11 @@ const std::map<std::string, Setter> kSetters = {
     {"normal_weight", [](RenderParams& p, float v) { p.placement.normal_weight = v; }},
     {"slab", [](RenderParams& p, float v) { p.placement.slab = v; }},
     {"min_pixels", [](RenderParams& p, float v) { p.placement.min_pixels = v; }},
+    {"split_sphere",
+     [](RenderParams& p, float v) {
+         p.placement.control = v > 0 ? ErrorControl::kSplitSphere : ErrorControl::kHessian;
+     }},
+    {"curvature", [](RenderParams& p, float v) { p.placement.curvature = v; }},
     {"overlap", [](RenderParams& p, float v) { p.placement.overlap = v; }},
     {"max_pixels", [](RenderParams& p, float v) { p.placement.max_pixels = v; }},
     {"clamping", [](RenderParams& p, float v) { p.placement.neighbour_clamping = v > 0; }},

@@ -11,6 +11,7 @@ namespace {
 // Short reaches, so that many records fit into the image, and no other limit that the light sets.
 PlacementParams disagreeing(float disagreement) {
     PlacementParams params;
+    params.control = ErrorControl::kSplitSphere;
     params.min_pixels = 2.0f;
     params.max_pixels = 12.0f;
     params.neighbour_clamping = false;

@@ -20,6 +20,8 @@ constexpr float kIrradianceError = 0.025f;
 // centres.
 constexpr float kGradientError = 0.1f;
 constexpr float kShGradientError = 0.12f;
+// The same, and a corner is taken to be as near as the nearest of its four texels.
+constexpr float kCurvatureError = 0.1f;
 // A smooth light, quadrature of a hemisphere by texels.
 constexpr float kRotationError = 0.02f;
 
@@ -85,6 +87,7 @@ TEST(IntegrateHemisphere, UniformRadianceAtAnyDepthsHasNoGradient) {
                  {g.record.translation_r, g.record.translation_g, g.record.translation_b}) {
                 EXPECT_EQ(glm::length(v), 0.0f);
             }
+            EXPECT_EQ(g.curvature, 0.0f);
             const ShLayout layout = shLayout(order);
             ASSERT_EQ(g.sh.size(), static_cast<size_t>(order > 0 ? layout.size() : 0));
             for (size_t k = static_cast<size_t>(layout.gradientFirst(0)); k < g.sh.size(); ++k) {
@@ -199,6 +202,19 @@ struct Ceiling {
                     irradiance(eye + dy) - irradiance(eye - dy)) /
                (2.0f * kStep);
     }
+    // Greatest second derivative in any direction, in magnitude.
+    float curvature(const vec2& eye) const {
+        constexpr float kStep = 0.05f;
+        float greatest = 0.0f;
+        for (int k = 0; k < 180; ++k) {
+            const float angle = kPi / 180.0f * static_cast<float>(k);
+            const vec2 d = kStep * vec2(std::cos(angle), std::sin(angle));
+            greatest = std::max(greatest, std::abs(irradiance(eye + d) + irradiance(eye - d) -
+                                                   2.0f * irradiance(eye)) /
+                                              (kStep * kStep));
+        }
+        return greatest;
+    }
 };
 
 // A light in the ceiling; an occluder nearer than the ceiling (the nearer surface decides how fast
@@ -235,6 +251,22 @@ TEST(TranslationGradient, HemicubeAgreesWithTheClosedForm) {
         const GatheredRecord g = integrate(cube, siteWith(vec3(0, 0, 1), 0), ceiling.from(eye));
         EXPECT_LT(glm::length(vec2(g.record.translation_r) - ceiling.gradient(eye)),
                   kGradientError * glm::length(ceiling.gradient(eye)));
+    }
+}
+
+TEST(Curvature, AgainstTheClosedForm) {
+    for (const HemisphereParams& params :
+         {HemisphereParams{.kind = HemisphereKind::kBorder, .size = 128, .extent = 4.0f},
+          HemisphereParams{.kind = HemisphereKind::kHemicube, .size = 96}}) {
+        const Hemisphere h = makeHemisphere(params);
+        for (const Ceiling& ceiling : kCeilings) {
+            for (const vec2& eye : {vec2(0.6f, 0.0f), vec2(-0.4f, 0.3f), vec2(1.0f, 0.5f)}) {
+                const float expected = ceiling.curvature(eye);
+                EXPECT_NEAR(integrate(h, siteWith(vec3(0, 0, 1), 0), ceiling.from(eye)).curvature,
+                            expected, kCurvatureError * expected)
+                    << "rectangle at " << ceiling.rectangle_height << " eye " << eye.x;
+            }
+        }
     }
 }
 
@@ -283,6 +315,7 @@ TEST(TranslationGradient, ScalesWithTheScene) {
         EXPECT_NEAR(other.record.radius, s * one.record.radius, 1e-5f * s * one.record.radius);
         EXPECT_NEAR(s * other.record.translation_r.x, one.record.translation_r.x,
                     1e-4f * std::abs(one.record.translation_r.x));
+        EXPECT_NEAR(s * s * other.curvature, one.curvature, 1e-4f * one.curvature);
         const size_t k = static_cast<size_t>(shLayout(3).gradientFirst(0));
         EXPECT_NEAR(s * other.sh[k], one.sh[k], 1e-4f * std::abs(one.sh[k]));
     }

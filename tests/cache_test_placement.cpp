@@ -86,6 +86,47 @@ TEST(Placement, HostileRadiiAreClamped) {
     }
 }
 
+TEST(Placement, CurvatureEndsTheReach) {
+    const Stage stage = makeStage(0, 0);
+    PlacementParams params;
+    params.neighbour_clamping = false;
+    params.disagreement = 0.0f;
+    params.min_pixels = 0.1f;
+    params.max_pixels = 1e3f;
+    size_t fewer = 0;
+    for (float curvature : {0.0f, 0.5f, 4.0f, 32.0f}) {
+        const Placement placement = place(stage, params, [=](const RecordSite&, GatheredRecord& g) {
+            g.record.radius = 0.8f;
+            g.curvature = curvature;
+        });
+        expectCovered(stage, params, placement);
+        for (const Record& r : placement.cache.records) {
+            // Error at the end of the reach, d^2 c / 2 E, times the reach in pixels.
+            const float reach = params.accuracy * r.radius;
+            const float error = 0.5f * curvature * reach * reach / luminance(r.irradiance);
+            const float tolerated = params.curvature * params.accuracy;
+            if (reach < 0.799f) {
+                EXPECT_NEAR(error * reach / footprintOf(stage, r), tolerated, 1e-3f * tolerated);
+            } else {
+                // Never beyond the harmonic mean distance.
+                EXPECT_NEAR(reach, 0.8f, 1e-5f);
+                EXPECT_LE(error * reach / footprintOf(stage, r), 1.001f * tolerated);
+            }
+        }
+        EXPECT_GE(placement.cache.records.size(), fewer);
+        fewer = placement.cache.records.size() + 1;
+    }
+    // Curvature without light: the least reach.
+    const Placement dark = place(stage, params, [](const RecordSite&, GatheredRecord& g) {
+        g.record.irradiance = vec3(0.0f);
+        g.curvature = 1.0f;
+    });
+    for (const Record& r : dark.cache.records) {
+        EXPECT_NEAR(params.accuracy * r.radius, params.min_pixels * footprintOf(stage, r),
+                    1e-3f * params.min_pixels * footprintOf(stage, r));
+    }
+}
+
 TEST(Placement, GradientsAreBoundedByTheValue) {
     const Stage stage = makeStage(0, 4);
     const PlacementParams params;
@@ -149,6 +190,7 @@ TEST(Placement, NoLightIsNoTrouble) {
 TEST(Placement, NeighboursAreClampedUnlessAtTheirLeast) {
     const Stage stage = makeStage(0, 0);
     PlacementParams params;
+    params.control = ErrorControl::kSplitSphere;
     params.max_pixels = 1e6f;
     const Placement placement = place(stage, params, [](const RecordSite& site, GatheredRecord& g) {
         // A near feature that few sites see.

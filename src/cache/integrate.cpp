@@ -14,9 +14,11 @@ namespace {
 // across their common wall, at the rate of the nearer one's parallax. The exchanged radiance is
 // added half to each texel, as the change of its radiance times solid angle:
 // [axis][channel][texel]. `cosine_gradient`: the same with the cosine, summed: the irradiance's
-// gradient. [WH92]
+// gradient. [WH92] `cosine_hessian`: the irradiance's second derivatives xx, xy, yy, the texels'
+// light painted on what they see. [SJJ12]
 struct TranslationGradient {
     vec3 cosine_gradient[2] = {};
+    vec3 cosine_hessian{};  // of luminance
     std::vector<float> exchanged[2][3];
 };
 
@@ -30,12 +32,24 @@ TranslationGradient translationGradient(const Hemisphere& h, std::span<const vec
             }
         }
     }
+    std::vector<float> corner_q(static_cast<size_t>(h.corners));
+    for (const HemisphereWall& wall : h.walls) {
+        const float nearer = std::max(inverse_distance[wall.a], inverse_distance[wall.b]);
+        for (uint32_t corner : wall.corners) {
+            corner_q[corner] = std::max(corner_q[corner], nearer);
+        }
+    }
     for (const HemisphereWall& wall : h.walls) {
         const vec3 step = vec3(texels[wall.a]) - vec3(texels[wall.b]);
         const float rate = std::max(inverse_distance[wall.a], inverse_distance[wall.b]);
         const vec3 change = -rate * step;
         g.cosine_gradient[0] += change * wall.cosine_motion.x;
         g.cosine_gradient[1] += change * wall.cosine_motion.y;
+        const float q0 = corner_q[wall.corners[0]];
+        const float q1 = corner_q[wall.corners[1]];
+        g.cosine_hessian +=
+            luminance(step) * (q0 * q0 * wall.cosine_bend[0] + q0 * q1 * wall.cosine_bend[1] +
+                               q1 * q1 * wall.cosine_bend[2]);
         if (!per_texel) {
             continue;
         }
@@ -49,6 +63,12 @@ TranslationGradient translationGradient(const Hemisphere& h, std::span<const vec
         }
     }
     return g;
+}
+
+// The eigenvalue of the symmetric matrix xx, xy, yy that is greatest in magnitude.
+float greatestCurvature(const vec3& m) {
+    const float mean = 0.5f * (m.x + m.z);
+    return std::abs(mean) + std::hypot(0.5f * (m.x - m.z), m.y);
 }
 
 float dotProduct(const float* a, const float* b, size_t n) {
@@ -161,6 +181,7 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, std::span<const vec4> te
         *translation[c] =
             frame[0] * gradient.cosine_gradient[0][c] + frame[1] * gradient.cosine_gradient[1][c];
     }
+    result.curvature = greatestCurvature(gradient.cosine_hessian);
     result.min_distance = nearest > 0.0f ? 1.0f / nearest : kInfinity;
     if (glossy) {
         result.sh = projectSh(h, texels, gradient, projection, site.order, frame);

@@ -20,8 +20,6 @@ constexpr float kSameSurfaceCosine = 0.95f;
 // Relative difference of neighbours that the gathers' own resolution explains.
 constexpr float kGatherNoise = 0.01f;
 
-float luminance(const vec3& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
-
 float largestChange(const Record& r) {
     return luminance(
         {glm::length(r.translation_r), glm::length(r.translation_g), glm::length(r.translation_b)});
@@ -77,6 +75,8 @@ class Placer {
     std::vector<int> chooseSites(int pixel, int stride) const;
     void place(const std::vector<int>& pixels);
     float clampedRadius(const Placed& placed) const;
+    float splitSphereRadius(const GatheredRecord& g) const;
+    float hessianRadius(const GatheredRecord& g, float pixel_footprint) const;
     float predictedOutgoing(const GatheredRecord& g, int pixel) const;
     void heedNeighbours(size_t added);
     void limitRadius(Placed& placed, float radius);
@@ -171,15 +171,44 @@ void Placer::place(const std::vector<int>& pixels) {
     }
 }
 
-// Harmonic mean distance, limited by the relative change of irradiance, then in footprints.
+// The radius that the error control asks for, in footprints within bounds.
 float Placer::clampedRadius(const Placed& placed) const {
-    const Record& r = placed.gathered.record;
-    float radius = r.radius;
-    const float change = largestChange(r);
-    if (change > 0.0f) {
-        radius = std::min(radius, luminance(r.irradiance) / change);
+    float radius = 0.0f;
+    switch (params_.control) {
+        case ErrorControl::kSplitSphere:
+            radius = splitSphereRadius(placed.gathered);
+            break;
+        case ErrorControl::kHessian:
+            radius = hessianRadius(placed.gathered, placed.footprint);
+            break;
     }
     return std::clamp(radius, leastRadius(placed.footprint), greatestRadius(placed.footprint));
+}
+
+// Harmonic mean distance, limited by the relative change of irradiance. [WRC88]
+float Placer::splitSphereRadius(const GatheredRecord& g) const {
+    const float change = largestChange(g.record);
+    return change > 0.0f ? std::min(g.record.radius, luminance(g.record.irradiance) / change)
+                         : g.record.radius;
+}
+
+// With gradients, extrapolation over d errs by c d^2 / 2, where c is the second derivative,
+// relative to the irradiance [SJJ12]. What is to be made small for a given number of records is the
+// sum of squared errors over the pixels, c^2 d^4 / 4, against 1 / d^2 records a pixel: at the
+// least, c d^3 is the same everywhere, d and c counted in pixels. [SJJ12] makes each record's total
+// the same, c d^4; pointwise c d^2 would be (docs/decisions.md compares them).
+// It is not believed farther than the harmonic mean distance of what the record sees, over which
+// all of that changes: what the record missed, or saw from a wrong place, has no curvature.
+float Placer::hessianRadius(const GatheredRecord& g, float pixel_footprint) const {
+    float reach = g.record.radius;
+    const float curvature = g.curvature * pixel_footprint * pixel_footprint;
+    if (curvature > 0.0f) {
+        const float tolerated = 2.0f * params_.curvature * params_.accuracy;
+        reach =
+            std::min(reach, pixel_footprint *
+                                std::cbrt(tolerated * luminance(g.record.irradiance) / curvature));
+    }
+    return reach / params_.accuracy;
 }
 
 // Luminance that a pixel sends to the camera by what a record predicts there.

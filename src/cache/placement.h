@@ -13,12 +13,19 @@
 
 namespace sheen {
 
+/// What a record's own hemisphere says of how far it reaches: the harmonic mean distance of what it
+/// sees, limited by the gradient [WRC88]; or the irradiance's second derivative [SJJ12].
+enum class ErrorControl { kSplitSphere, kHessian };
+
 struct PlacementParams {
-    float accuracy = 0.5f;       ///< Ward's a
+    float accuracy = 0.5f;  ///< Ward's a
+    ErrorControl control = ErrorControl::kHessian;
+    float curvature = 0.4f;      ///< kHessian, times `accuracy`: relative error at the end of a
+                                 ///< record's reach times that reach in pixels
     float normal_weight = 4.0f;  ///< k_n of the weight function
     float slab = 0.1f;           ///< c of the weight function
-    float min_pixels = 2.0f;     ///< least reach a R, in footprints of the record's pixel
-    float max_pixels = 20.0f;    ///< greatest reach
+    float min_pixels = 1.5f;     ///< least reach a R, in footprints of the record's pixel
+    float max_pixels = 30.0f;    ///< greatest reach
     bool neighbour_clamping = true;
     float disagreement = 0.2f;    ///< times `accuracy`: relative error at which a record's reach
                                   ///< should end, as judged by its neighbours; 0: not asked

@@ -50,8 +50,10 @@ inline ShLayout shLayout(int order) {
 
 /// What a gather found at a site, before any clamp of the radius.
 struct GatheredRecord {
-    Record record{};         ///< radius is the harmonic mean distance
-    std::vector<float> sh;   ///< ShLayout; empty for a diffuse record
+    Record record{};        ///< radius is the harmonic mean distance
+    std::vector<float> sh;  ///< ShLayout; empty for a diffuse record
+    /// Greatest second derivative, in magnitude, of the irradiance's luminance along the surface.
+    float curvature = 0;
     float min_distance = 0;  ///< to the nearest surface seen; infinite if nothing was
 };
 

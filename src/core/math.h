@@ -20,6 +20,9 @@ using glm::vec4;
 constexpr float kPi = 3.14159265358979323846f;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
+/// Of a linear Rec. 709 colour.
+inline float luminance(const vec3& c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
+
 /// Axis-aligned bounds, world space; empty (lower > upper) until a point is added.
 struct Bounds {
     vec3 lower{kInfinity};

@@ -22,7 +22,7 @@ enum class HemisphereKind { kBorder, kPlane, kLarsen, kHemicube };
 
 struct HemisphereParams {
     HemisphereKind kind = HemisphereKind::kHemicube;
-    int size = 32;        ///< texels along a side of the plane
+    int size = 40;        ///< texels along a side of the plane
     float extent = 3.0f;  ///< half-extent of the plane at distance 1; a hemicube's is always 1
 };
 
@@ -41,14 +41,20 @@ struct FootprintSample {
     float solid_angle;
 };
 
-/// The boundary between two texels a and b. When the record moves by a vector t in its tangent
-/// plane, solid angle -dot(motion, t) / r passes from b to a, where r is the distance of the nearer
-/// of the two; cosine_motion is the same with the cosine integrated along the wall.
+/// The boundary between two texels a and b, from one corner of theirs to the next. When the record
+/// moves by a vector t in its tangent plane, solid angle -dot(motion, t) / r passes from b to a,
+/// where r is the distance of the nearer of the two; cosine_motion is the same with the cosine
+/// integrated along the wall.
 struct HemisphereWall {
     uint32_t a = 0;
     uint32_t b = 0;
     vec2 motion{};
     vec2 cosine_motion{};
+    uint32_t corners[2] = {};
+    /// Second derivatives xx, xy, yy of the cosine-weighted solid angle that passes from b to a,
+    /// per product of the corners' inverse distances: of the first's square, of both, of the
+    /// second's square.
+    vec3 cosine_bend[3] = {};
 };
 
 struct Hemisphere {
@@ -66,6 +72,7 @@ struct Hemisphere {
     std::vector<uint8_t> at_horizon;  ///< whether the footprint reaches the horizon
     std::vector<vec2> azimuths;       ///< of those: the azimuths where it does, first < second
     std::vector<HemisphereWall> walls;
+    int corners = 0;  ///< of all walls
 
     int texelCount() const { return width * height; }
 };

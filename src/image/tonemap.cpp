@@ -8,8 +8,7 @@ namespace sheen {
 namespace {
 
 constexpr float kMiddleGrey = 0.18f;
-constexpr double kDarkestShare = 1e-4;                 // of the mean luminance
-constexpr vec3 kLuminance{0.2126f, 0.7152f, 0.0722f};  // Rec. 709
+constexpr double kDarkestShare = 1e-4;  // of the mean luminance
 // Beyond this exponent 2^EV times any luminance of interest leaves float's range.
 constexpr float kMaxStops = 100.0f;
 constexpr float kSurelyWhite = 1e30f;
@@ -33,10 +32,10 @@ float autoExposure(const Image<vec3>& image) {
     std::vector<float> luminances;
     double sum = 0.0;
     for (const vec3& pixel : image.pixels) {
-        const float luminance = glm::dot(pixel, kLuminance);
-        if (std::isfinite(luminance) && luminance > 0.0f) {
-            luminances.push_back(luminance);
-            sum += luminance;
+        const float y = luminance(pixel);
+        if (std::isfinite(y) && y > 0.0f) {
+            luminances.push_back(y);
+            sum += y;
         }
     }
     if (luminances.empty()) {
