@@ -105,6 +105,7 @@ void judge(const Sphere& sphere, const std::vector<Projection>& projections, Eye
                     const float e = dot(c.c, sphere.lobe(projections[p], k).c,
                                         static_cast<size_t>(order * order)) -
                                     t;
+                    sums.negative_light[order - kMinOrder][k / kTilts] += e + t < 0.0f ? 1 : 0;
                     sums.relative[order - kMinOrder][k / kTilts].push_back(std::abs(e) /
                                                                            std::max(t, 1e-20f));
                 }

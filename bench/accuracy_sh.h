@@ -21,6 +21,7 @@ struct Sums {
     double truth[kEyes][kPixels] = {};
     double noise[kPixels] = {};                              // squared differences of two images
     std::vector<float> relative[kOrders][kPixels / kTilts];  // |error| / truth, the program's fit
+    int negative_light[kOrders][kPixels / kTilts] = {};      // of these, negative
     int noise_sites = 0;
     int sites = 0;
     int negative[kOrders] = {};  // records whose program's fit is negative somewhere
@@ -48,6 +49,7 @@ struct Sums {
         }
         for (int n = 0; n < kOrders; ++n) {
             for (int k = 0; k < kPixels / kTilts; ++k) {
+                negative_light[n][k] += o.negative_light[n][k];
                 relative[n][k].insert(relative[n][k].end(), o.relative[n][k].begin(),
                                       o.relative[n][k].end());
             }

@@ -141,19 +141,28 @@ class Report {
             }
             text += table.text() + "\n";
         }
-        std::string negative;
+        Table negative({"order", "records", "alpha 0.5", "alpha 0.3", "alpha 0.2", "alpha 0.1"});
         for (int n = kMinOrder; n <= shared::SH_MAX_ORDER; ++n) {
-            double share = 0.0;
+            const int i = n - kMinOrder;
+            double records = 0.0;
+            double lights[kAlphaCount] = {};
             for (const Sums& s : sums_) {
-                share += static_cast<double>(s.negative[n - kMinOrder]) / s.sites;
+                const double sites =
+                    static_cast<double>(s.sites) * static_cast<double>(sums_.size());
+                records += s.negative[i] / sites;
+                for (int k = 0; k < kAlphaCount * kViewCount; ++k) {
+                    lights[k / kViewCount] += s.negative_light[i][k] / (sites * kViewCount);
+                }
             }
-            negative += fmt::format("{}{} at order {}", negative.empty() ? "" : ", ",
-                                    percent(share / static_cast<double>(sums_.size())), n);
+            std::vector<std::string> row = {std::to_string(n), percent(records)};
+            for (int a = 2; a < kAlphaCount; ++a) {
+                row.push_back(percent(lights[a]));
+            }
+            negative.add(row);
         }
         output.write("sh_projections.csv", csv);
-        output.write("sh_projections.md",
-                     text + "Records whose fit is negative in some direction of the hemisphere: " +
-                         negative + ".\n");
+        output.write("sh_projections.md", text);
+        output.write("sh_negative.md", negative.text());
     }
 
     void writePrediction(const Output& output) const {
@@ -245,6 +254,19 @@ class Report {
             table.add(row);
             csv += "\n";
         }
+        // Exponents: straight lines through (0, 1) in logarithms.
+        std::vector<std::string> row = {"exponent"};
+        for (const Sums& s : sums_) {
+            double xx = 0.0, xy = 0.0;
+            for (int l = 1; l < shared::SH_MAX_ORDER; ++l) {
+                const double x = std::log(l + 1.0);
+                xx += x * x;
+                xy += x * 0.5 * std::log(s.band_power[l] / s.band_power[0]);
+            }
+            row.push_back(fmt::format("{:.2f}", xy / xx));
+        }
+        row.emplace_back("-1.30");
+        table.add(row);
         output.write("sh_bands.csv", csv);
         output.write("sh_bands.md", table.text());
     }

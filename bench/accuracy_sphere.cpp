@@ -94,6 +94,8 @@ std::vector<Projection> allProjections() {
             {"**least squares with a band, the program's**", Way::kProgram},
             {"the same, finer quadrature", Way::kFit, 1, 0.1f, 1e-4f},
             {"band to -15 degrees", Way::kFit, 0, 0.1f, 1e-4f},
+            {"band to -15 degrees, weight 0.03", Way::kFit, 0, 0.03f, 1e-4f},
+            {"band to -15 degrees, weight 0.3", Way::kFit, 0, 0.3f, 1e-4f},
             {"band to -45 degrees", Way::kFit, 2, 0.1f, 1e-4f},
             {"weight 0.03", Way::kFit, 1, 0.03f, 1e-4f},
             {"weight 0.3", Way::kFit, 1, 0.3f, 1e-4f},
