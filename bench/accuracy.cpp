@@ -6,6 +6,7 @@
 #include <charconv>
 #include <set>
 
+#include "accuracy_gradients.h"
 #include "accuracy_hemisphere.h"
 #include "accuracy_sh.h"
 #include "core/error.h"
@@ -19,6 +20,7 @@ using namespace sheen;
 constexpr int kProjectionSites = 1000;
 constexpr int kHemisphereSites = 3334;  // 10,000 in all, as Table 8.1 of [GKB09]
 constexpr int kSizeSites = 400;
+constexpr int kGradientSites = 300;
 
 const std::set<std::string> kStudies = {"sh", "hemispheres", "sizes", "gradients"};
 
@@ -59,6 +61,7 @@ void measure(const std::vector<std::string>& arguments) {
     run("sh", kProjectionSites, bench::studyProjection);
     run("hemispheres", kHemisphereSites, bench::studyHemispheres);
     run("sizes", kSizeSites, bench::studyHemisphereSizes);
+    run("gradients", kGradientSites, bench::studyGradients);
 }
 
 }  // namespace
