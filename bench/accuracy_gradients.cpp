@@ -14,51 +14,8 @@
 #include "sh/projection.h"
 
 namespace sheen::bench {
+namespace gradients {
 namespace {
-
-constexpr int kOrder = shared::SH_MAX_ORDER;
-constexpr int kCount = kOrder * kOrder;
-constexpr int kBands = 6;  // bands 0 to 5 are judged
-constexpr int kJudged = kBands * kBands;
-constexpr float kStep = 0.05f;  // of finite differences, in harmonic mean distances
-constexpr float kMove = 0.25f;  // where predictions are judged
-constexpr float kNear = 0.4f;   // a surface nearer than this is a corner or an occluder
-constexpr float kEdge = 1.0f;   // radians of depth steps that make an occluder
-constexpr float kDepthStep = 2.0f;
-constexpr float kFlat = 0.995f;  // least cosine between the site's two normals
-constexpr float kAlpha = 0.3f;
-constexpr float kViewDegrees[] = {10.0f, 40.0f, 65.0f};
-constexpr int kViews = 3;
-constexpr int kAzimuths = 4;
-constexpr int kLobes = kViews * kAzimuths;
-
-enum Class { kOpen, kCorner, kOccluder, kClasses };
-constexpr const char* kClassNames[] = {"open", "corner", "beside an occluder"};
-
-// What the program turns texels into.
-struct Layout {
-    std::string name;
-    HemisphereParams params;
-    bool random;
-};
-const Layout kLayouts[] = {
-    {"border, h = 3, 32", {HemisphereKind::kBorder, 32, 3.0f}, false},
-    {"border, h = 3, 64", {HemisphereKind::kBorder, 64, 3.0f}, false},
-    {"hemicube 32, middles", {HemisphereKind::kHemicube, 32, 1.0f}, false},
-    {"hemicube 64, middles", {HemisphereKind::kHemicube, 64, 1.0f}, false},
-    {"hemicube 32, random", {HemisphereKind::kHemicube, 32, 1.0f}, true},
-    {"hemicube 64, random", {HemisphereKind::kHemicube, 64, 1.0f}, true},
-};
-constexpr size_t kLayoutCount = std::size(kLayouts);
-constexpr size_t kProgramLayout = 4;
-
-// Grey irradiance and coefficients in the local frame, or their change along one axis.
-struct Light {
-    float irradiance = 0.0f;
-    std::array<float, kCount> c{};                    // of the fit of order 10
-    std::array<float, kJudged> own[kBands + 1] = {};  // [n]: of a fit of order n, gradients only
-};
-using Gradient = std::array<Light, 2>;
 
 // integrateHemisphere() keeps gradients of the first bands of the matrix it is given: a matrix of
 // other rows yields theirs.
@@ -175,27 +132,6 @@ struct Tools {
         }
         return l;
     }
-};
-
-// Where a prediction's gradients come from: the first bands of the gradient of order 10, as the
-// program has it, or the gradient fitted in that many bands alone; the same of the true change.
-enum Source { kFirstBands, kOwnFit, kTrueFirstBands, kTrueOwnFit, kSources };
-constexpr const char* kSourceNames[] = {"first bands of order 10 (the program's)",
-                                        "fitted in these bands alone", "true, first bands",
-                                        "true, fitted in these bands"};
-
-// Everything measured at a site, in units of irradiance and harmonic mean distance.
-struct Judgement {
-    Class kind = kOpen;
-    Gradient truth, half_difference;  // of two independent estimates
-    Gradient program[kLayoutCount];
-    // Outgoing light of each lobe at each moved point: true, and predicted with the gradients of n
-    // bands.
-    struct Moved {
-        float truth[kLobes];
-        float predicted[kSources][kBands + 1][kLobes];
-    };
-    std::vector<Moved> moved;
 };
 
 class SiteJudge {
@@ -358,113 +294,11 @@ class SiteJudge {
     uint32_t seed_;
 };
 
-// RMS error over RMS truth of irradiance's gradient (band -1) or a band's, the truth's noise taken
-// off both; `layout` beyond the last: that noise.
-double gradientError(const std::vector<Judgement>& judgements, Class kind, size_t layout,
-                     int band) {
-    double error = 0.0, power = 0.0, noise = 0.0;
-    const auto add = [&](float estimate, float truth, float half) {
-        error += (estimate - truth) * static_cast<double>(estimate - truth);
-        power += static_cast<double>(truth) * truth;
-        noise += static_cast<double>(half) * half;
-    };
-    for (const Judgement& j : judgements) {
-        for (size_t axis = 0; axis < 2 && j.kind == kind; ++axis) {
-            const Light& truth = j.truth[axis];
-            const Light& half = j.half_difference[axis];
-            const Light& estimate = layout < kLayoutCount ? j.program[layout][axis] : truth;
-            if (band < 0) {
-                add(estimate.irradiance, truth.irradiance, half.irradiance);
-            }
-            for (int k = band * band; band >= 0 && k < (band + 1) * (band + 1); ++k) {
-                add(estimate.c[static_cast<size_t>(k)], truth.c[static_cast<size_t>(k)],
-                    half.c[static_cast<size_t>(k)]);
-            }
-        }
-    }
-    const double scale = std::max(power - noise, 1e-30);
-    return layout < kLayoutCount ? std::sqrt(std::max(0.0, error - noise) / scale)
-                                 : std::sqrt(noise / scale);
-}
-
-// RMS error over mean truth at moved points with the gradients of the first `bands` bands.
-double movedError(const std::vector<Judgement>& judgements, int kind, int bands, int source) {
-    double error = 0.0, sum = 0.0, n = 0.0;
-    for (const Judgement& j : judgements) {
-        for (const Judgement::Moved& m : j.moved) {
-            for (int lobe = 0; lobe < kLobes && (kind == kClasses || kind == j.kind); ++lobe) {
-                const double e = m.predicted[source][bands][lobe] - m.truth[lobe];
-                error += e * e;
-                sum += m.truth[lobe];
-                n += 1.0;
-            }
-        }
-    }
-    return std::sqrt(error / std::max(n, 1.0)) / (sum / std::max(n, 1.0));
-}
-
-void report(const std::vector<Judgement>& judgements, const Output& output) {
-    std::vector<std::string> head = {"place", "points", "texels", "irradiance"};
-    for (int l = 0; l < kBands; ++l) {
-        head.push_back(fmt::format("band {}", l));
-    }
-    Table errors(head);
-    std::string csv = "place,layout,irradiance,0,1,2,3,4,5\n";
-    for (int kind = 0; kind < kClasses; ++kind) {
-        const auto points = std::count_if(judgements.begin(), judgements.end(),
-                                          [&](const Judgement& j) { return j.kind == kind; });
-        for (size_t layout = 0; layout <= kLayoutCount; ++layout) {
-            const std::string name =
-                layout < kLayoutCount ? kLayouts[layout].name : "noise of the truth";
-            std::vector<std::string> row = {layout == 0 ? kClassNames[kind] : "",
-                                            layout == 0 ? std::to_string(points) : "", name};
-            csv += fmt::format("{},{}", kClassNames[kind], name);
-            for (int band = -1; band < kBands; ++band) {
-                const double e = gradientError(judgements, static_cast<Class>(kind), layout, band);
-                row.push_back(percent(e));
-                csv += fmt::format(",{}", e);
-            }
-            errors.add(row);
-            csv += "\n";
-        }
-    }
-    output.write("gradients.csv", csv);
-    output.write("gradients.md", errors.text());
-
-    head = {"place", "gradients"};
-    for (int bands = 0; bands <= kBands; ++bands) {
-        head.push_back(bands == 0 ? "none" : fmt::format("bands 0 to {}", bands - 1));
-    }
-    Table moved(head);
-    csv = "bands";
-    for (int kind = 0; kind <= kClasses; ++kind) {
-        const char* place = kind < kClasses ? kClassNames[kind] : "all";
-        for (int source = 0; source < kSources; ++source) {
-            std::vector<std::string> row = {source == 0 ? place : "", kSourceNames[source]};
-            for (int bands = 0; bands <= kBands; ++bands) {
-                row.push_back(percent(movedError(judgements, kind, bands, source)));
-            }
-            moved.add(row);
-            csv += fmt::format(",{} {}", place, source);
-        }
-    }
-    csv += "\n";
-    for (int bands = 0; bands <= kBands; ++bands) {
-        csv += std::to_string(bands);
-        for (int kind = 0; kind <= kClasses; ++kind) {
-            for (int source = 0; source < kSources; ++source) {
-                csv += fmt::format(",{}", movedError(judgements, kind, bands, source));
-            }
-        }
-        csv += "\n";
-    }
-    output.write("gradients_moved.csv", csv);
-    output.write("gradients_moved.md", moved.text());
-}
-
 }  // namespace
+}  // namespace gradients
 
 void studyGradients(const BenchScenes& scenes, int sites, const Output& output) {
+    using namespace gradients;
     const Tools tools;
     const auto all = scenes.size() * static_cast<size_t>(sites);
     std::vector<std::optional<Judgement>> found(all);
@@ -473,12 +307,13 @@ void studyGradients(const BenchScenes& scenes, int sites, const Output& output) 
         found[static_cast<size_t>(index)] = SiteJudge(tools, scene, index % sites).judge();
     });
     std::vector<Judgement> judgements;
-    for (std::optional<Judgement>& j : found) {
-        if (j) {
-            judgements.push_back(std::move(*j));
+    for (size_t i = 0; i < all; ++i) {
+        if (found[i]) {
+            found[i]->scene = i / static_cast<size_t>(sites);
+            judgements.push_back(std::move(*found[i]));
         }
     }
-    report(judgements, output);
+    report(judgements, scenes, output);
 }
 
 }  // namespace sheen::bench

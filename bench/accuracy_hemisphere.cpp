@@ -26,7 +26,7 @@ constexpr uint32_t kCosineRays = 4096;  // a replicate
 constexpr uint32_t kLobeRays = 2048;    // a replicate and view
 constexpr uint32_t kTruthSeed = 4711;
 
-constexpr char kProductWay[] = "the gather's";
+constexpr char kProductWay[] = "gather";
 // Rays a texel of the gather: one, and eight more through 9% (docs/decisions.md).
 constexpr float kProductRays = 1.72f;
 

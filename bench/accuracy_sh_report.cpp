@@ -112,7 +112,6 @@ class Report {
             int alpha, order;
         };
         std::string text;
-        std::string csv = "alpha,order,views,projection,0,10,20,27\n";
         for (const Pair& pair : {Pair{2, 6}, Pair{3, 8}, Pair{4, 10}}) {
             std::vector<std::string> head = {
                 fmt::format("alpha {}, order {}", kAlphas[pair.alpha], pair.order)};
@@ -125,17 +124,13 @@ class Report {
             for (size_t p = 0; p < projections_.size(); ++p) {
                 std::vector<std::string> row = {projections_[p].name};
                 for (int half = 0; half < 2; ++half) {
-                    csv += fmt::format("{},{},{},{}", kAlphas[pair.alpha], pair.order,
-                                       half == 0 ? "near" : "grazing", projections_[p].name);
                     for (int tilt = 0; tilt < kTiltCount; ++tilt) {
                         const double e[] = {error(kLifted, static_cast<int>(p), pair.order,
                                                   pair.alpha, 2 * half, tilt),
                                             error(kLifted, static_cast<int>(p), pair.order,
                                                   pair.alpha, 2 * half + 1, tilt)};
                         row.push_back(percent(rms(e)));
-                        csv += fmt::format(",{}", rms(e));
                     }
-                    csv += "\n";
                 }
                 table.add(row);
             }
@@ -160,7 +155,22 @@ class Report {
             }
             negative.add(row);
         }
-        output.write("sh_projections.csv", csv);
+        // For the plot: alpha 0.3, order 8, views near the normal; projections in their order.
+        std::string csv = "tilt";
+        for (size_t p = 0; p < projections_.size(); ++p) {
+            csv += fmt::format(",{}", p);
+        }
+        csv += "\n";
+        for (int tilt = 0; tilt < kTiltCount; ++tilt) {
+            csv += fmt::format("{}", kTiltDegrees[tilt]);
+            for (size_t p = 0; p < projections_.size(); ++p) {
+                const double e[] = {error(kLifted, static_cast<int>(p), 8, 3, 0, tilt),
+                                    error(kLifted, static_cast<int>(p), 8, 3, 1, tilt)};
+                csv += fmt::format(",{}", rms(e));
+            }
+            csv += "\n";
+        }
+        output.write("sh_tilts.csv", csv);
         output.write("sh_projections.md", text);
         output.write("sh_negative.md", negative.text());
     }

@@ -53,9 +53,10 @@ BenchScene::BenchScene(const std::string& scene_name, const std::string& path, i
     }
 }
 
-BenchScenes loadBenchScenes(const std::string& folder, int sites_per_scene) {
+BenchScenes loadBenchScenes(const std::string& folder, const std::vector<std::string>& names,
+                            int sites_per_scene) {
     BenchScenes scenes;
-    for (const char* name : {"cornell_glossy", "venus_glossy", "atrium"}) {
+    for (const std::string& name : names) {
         scenes.push_back(
             std::make_unique<BenchScene>(name, folder + "/" + name + ".glb", sites_per_scene));
     }

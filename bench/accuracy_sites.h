@@ -31,7 +31,8 @@ struct BenchScene {
     }
 };
 using BenchScenes = std::vector<std::unique_ptr<BenchScene>>;
-BenchScenes loadBenchScenes(const std::string& folder, int sites_per_scene);
+BenchScenes loadBenchScenes(const std::string& folder, const std::vector<std::string>& names,
+                            int sites_per_scene);
 
 /// A study's way to write: `folder`/NAME.csv for plots, `folder`/NAME.md for the page.
 struct Output {
