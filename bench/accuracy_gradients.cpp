@@ -248,9 +248,9 @@ class SiteJudge {
             for (int e = 0; e < 2; ++e) {
                 const auto salt = static_cast<uint32_t>(10 + e);
                 const Light ahead =
-                    tools_.light(trace(tools_.fine, kStep * R * axis(a), 2, true, salt));
+                    tools_.light(trace(tools_.fine, kStep * R * axis(a), kStepRays, true, salt));
                 const Light behind =
-                    tools_.light(trace(tools_.fine, -kStep * R * axis(a), 2, true, salt));
+                    tools_.light(trace(tools_.fine, -kStep * R * axis(a), kStepRays, true, salt));
                 const float rate = scale / (2.0f * kStep);
                 estimates[e] = mix(rate, ahead, -rate, behind);
             }

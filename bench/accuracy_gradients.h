@@ -19,7 +19,10 @@ constexpr int kOrder = shared::SH_MAX_ORDER;
 constexpr int kCount = kOrder * kOrder;
 constexpr int kBands = 6;  // bands 0 to 5 are judged
 constexpr int kJudged = kBands * kBands;
-constexpr float kStep = 0.05f;  // of finite differences, in harmonic mean distances
+// Finite differences: half their length in harmonic mean distances, which near occluders forbid to
+// be longer, and the root of their rays a texel.
+constexpr float kStep = 0.02f;
+constexpr int kStepRays = 3;
 constexpr float kMove = 0.25f;  // where predictions are judged
 constexpr float kNear = 0.4f;   // a surface nearer than this is a corner or an occluder
 constexpr float kEdge = 1.0f;   // radians of depth steps that make an occluder
