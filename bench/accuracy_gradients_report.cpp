@@ -9,32 +9,56 @@
 namespace sheen::bench::gradients {
 namespace {
 
-// RMS error over RMS truth of irradiance's gradient (band -1) or a band's, the truth's noise taken
-// off both; `layout` beyond the last: that noise.
-double gradientError(const std::vector<const Judgement*>& judgements, size_t layout, int band) {
-    double error = 0.0, power = 0.0, noise = 0.0;
+// Squares, summed over both axes and a band's coefficients.
+struct Squares {
+    double error = 0.0, truth = 0.0, noise = 0.0;
+};
+
+// Of irradiance's gradient (band -1) or a band's at one site; `layout` beyond the last: the noise
+// stands in for the error.
+Squares squaresOf(const Judgement& j, size_t layout, int band) {
+    Squares s;
     const auto add = [&](float estimate, float truth, float half) {
-        error += (estimate - truth) * static_cast<double>(estimate - truth);
-        power += static_cast<double>(truth) * truth;
-        noise += static_cast<double>(half) * half;
+        const double e = layout < kLayoutCount ? estimate - truth : half;
+        s.error += e * e;
+        s.truth += static_cast<double>(truth) * truth;
+        s.noise += static_cast<double>(half) * half;
     };
-    for (const Judgement* j : judgements) {
-        for (size_t axis = 0; axis < 2; ++axis) {
-            const Light& truth = j->truth[axis];
-            const Light& half = j->half_difference[axis];
-            const Light& estimate = layout < kLayoutCount ? j->program[layout][axis] : truth;
-            if (band < 0) {
-                add(estimate.irradiance, truth.irradiance, half.irradiance);
-            }
-            for (int k = band * band; band >= 0 && k < (band + 1) * (band + 1); ++k) {
-                add(estimate.c[static_cast<size_t>(k)], truth.c[static_cast<size_t>(k)],
-                    half.c[static_cast<size_t>(k)]);
-            }
+    for (size_t axis = 0; axis < 2; ++axis) {
+        const Light& truth = j.truth[axis];
+        const Light& half = j.half_difference[axis];
+        const Light& estimate = layout < kLayoutCount ? j.program[layout][axis] : truth;
+        if (band < 0) {
+            add(estimate.irradiance, truth.irradiance, half.irradiance);
+        }
+        for (int k = band * band; band >= 0 && k < (band + 1) * (band + 1); ++k) {
+            const auto i = static_cast<size_t>(k);
+            add(estimate.c[i], truth.c[i], half.c[i]);
         }
     }
-    const double scale = std::max(power - noise, 1e-30);
-    return layout < kLayoutCount ? std::sqrt(std::max(0.0, error - noise) / scale)
-                                 : std::sqrt(noise / scale);
+    return s;
+}
+
+// RMS error over RMS truth, the truth's noise taken off both; and the median of the sites' errors.
+std::string gradientError(const std::vector<const Judgement*>& judgements, size_t layout,
+                          int band) {
+    Squares sum;
+    std::vector<double> relative;
+    for (const Judgement* j : judgements) {
+        const Squares s = squaresOf(*j, layout, band);
+        sum.error += s.error;
+        sum.truth += s.truth;
+        sum.noise += s.noise;
+        relative.push_back(std::sqrt(s.error / std::max(s.truth, 1e-30)));
+    }
+    if (relative.empty()) {
+        return "";
+    }
+    const double error = layout < kLayoutCount ? sum.error - sum.noise : sum.error;
+    const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
+    std::nth_element(relative.begin(), middle, relative.end());
+    return percent(std::sqrt(std::max(0.0, error) / std::max(sum.truth - sum.noise, 1e-30))) +
+           " / " + percent(*middle);
 }
 
 // RMS error over mean truth at moved points with the gradients of the first `bands` bands.
@@ -74,7 +98,7 @@ void addRows(const std::string& name, const std::vector<const Judgement*>& judge
                                         layout == first ? std::to_string(judgements.size()) : "",
                                         noise ? "noise of the truth" : kLayouts[layout].name};
         for (int band = -1; band < kBands; ++band) {
-            row.push_back(percent(gradientError(judgements, noise ? kLayoutCount : layout, band)));
+            row.push_back(gradientError(judgements, noise ? kLayoutCount : layout, band));
         }
         table.add(row);
     }
