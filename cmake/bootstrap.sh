@@ -41,7 +41,7 @@ install_packages() {
 sources_unchanged_since() {
     [[ -e $1 ]] || return 1
     local changed
-    changed=$(cd "$root" && find CMakeLists.txt CMakePresets.json cmake src shaders scenes tests \
+    changed=$(cd "$root" && find CMakeLists.txt CMakePresets.json cmake src shaders scenes bench tests \
         -newer "$1" -print -quit 2>&1)
     [[ -z $changed ]]
 }

@@ -1,0 +1,296 @@
+// The tables and plots' data of the study of projections.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "accuracy_sh.h"
+#include "cache/classes.h"
+#include "sh/brdf_sh.h"
+
+namespace sheen::bench {
+namespace {
+
+class Report {
+  public:
+    Report(const std::vector<Projection>& projections, const BenchScenes& scenes,
+           const std::vector<Sums>& sums)
+        : projections_(projections), scenes_(scenes), sums_(sums) {}
+
+    void write(const Output& output) const {
+        writeOrders(output);
+        writeProjections(output);
+        writePrediction(output);
+        writeBands(output);
+    }
+
+  private:
+    // RMS over scenes, views (all, or one) and the azimuths of a tilt.
+    double error(Eye eye, int projection, int order, int alpha, int view, int tilt) const {
+        std::vector<double> values;
+        for (const Sums& s : sums_) {
+            for (int v = 0; v < kViewCount; ++v) {
+                for (int t = 0; t < kTilts; ++t) {
+                    if ((view < 0 || v == view) &&
+                        (t + kTiltAzimuths - 1) / kTiltAzimuths == tilt) {
+                        values.push_back(
+                            s.relRmse(eye, projection, order, pixelIndex(alpha, v, t)));
+                    }
+                }
+            }
+        }
+        return rms(values);
+    }
+    // Median over the sites of all scenes.
+    double median(int order, int alpha, int view) const {
+        std::vector<float> values;
+        for (const Sums& s : sums_) {
+            const auto& v = s.relative[order - kMinOrder][alpha * kViewCount + view];
+            values.insert(values.end(), v.begin(), v.end());
+        }
+        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::nth_element(values.begin(), middle, values.end());
+        return *middle;
+    }
+    double noise(int alpha) const {
+        std::vector<double> values;
+        for (const Sums& s : sums_) {
+            for (int v = 0; v < kViewCount; ++v) {
+                const int k = pixelIndex(alpha, v, 0);
+                values.push_back(std::sqrt(s.noise[k] / s.noise_sites) /
+                                 (s.truth[kOnSurface][k] / s.sites));
+            }
+        }
+        return rms(values);
+    }
+    static int autoOrder(int alpha) {
+        MaterialParams metal{};
+        metal.base_color = vec3(kMetalF0);
+        metal.metallic = 1.0f;
+        metal.roughness = std::sqrt(kAlphas[alpha]);
+        return materialOrder(metal, 0);
+    }
+
+    void writeOrders(const Output& output) const {
+        std::vector<std::string> head = {"alpha", "view"};
+        std::string csv = "order";
+        for (int n = kMinOrder; n <= shared::SH_MAX_ORDER; ++n) {
+            head.push_back(std::to_string(n));
+        }
+        head.insert(head.end(), {"auto", "noise"});
+        Table table(head);
+        for (int a = 0; a < kAlphaCount; ++a) {
+            csv += fmt::format(",{}", kAlphas[a]);
+            for (int v = -1; v < kViewCount; ++v) {
+                std::vector<std::string> row = {v < 0 ? fmt::format("**{}**", kAlphas[a]) : "",
+                                                v < 0 ? "all" : fmt::format("{}", kViewDegrees[v])};
+                for (int n = kMinOrder; n <= shared::SH_MAX_ORDER; ++n) {
+                    const std::string e = percent(error(kOnSurface, kProgramFit, n, a, v, 0));
+                    row.push_back(v < 0 ? e : e + " / " + percent(median(n, a, v)));
+                }
+                const int chosen = autoOrder(a);
+                row.push_back(v < 0 ? std::to_string(chosen) : "");
+                row.push_back(v < 0 ? percent(noise(a)) : "");
+                table.add(row);
+            }
+        }
+        csv += "\n";
+        for (int n = kMinOrder; n <= shared::SH_MAX_ORDER; ++n) {
+            csv += std::to_string(n);
+            for (int a = 0; a < kAlphaCount; ++a) {
+                csv += fmt::format(",{}", error(kOnSurface, kProgramFit, n, a, -1, 0));
+            }
+            csv += "\n";
+        }
+        output.write("sh_orders.csv", csv);
+        output.write("sh_orders.md", table.text());
+    }
+
+    // One table a pair of alpha and order: views near the normal, and grazing ones, by tilt.
+    void writeProjections(const Output& output) const {
+        struct Pair {
+            int alpha, order;
+        };
+        std::string text;
+        for (const Pair& pair : {Pair{2, 6}, Pair{3, 8}, Pair{4, 10}}) {
+            std::vector<std::string> head = {
+                fmt::format("alpha {}, order {}", kAlphas[pair.alpha], pair.order)};
+            for (const char* views : {"10, 40", "65, 78"}) {
+                for (float tilt : kTiltDegrees) {
+                    head.push_back(fmt::format("{}: {}", views, tilt));
+                }
+            }
+            Table table(head);
+            for (size_t p = 0; p < projections_.size(); ++p) {
+                std::vector<std::string> row = {projections_[p].name};
+                for (int half = 0; half < 2; ++half) {
+                    for (int tilt = 0; tilt < kTiltCount; ++tilt) {
+                        const double e[] = {error(kLifted, static_cast<int>(p), pair.order,
+                                                  pair.alpha, 2 * half, tilt),
+                                            error(kLifted, static_cast<int>(p), pair.order,
+                                                  pair.alpha, 2 * half + 1, tilt)};
+                        row.push_back(percent(rms(e)));
+                    }
+                }
+                table.add(row);
+            }
+            text += table.text() + "\n";
+        }
+        Table negative({"order", "records", "alpha 0.5", "alpha 0.3", "alpha 0.2", "alpha 0.1"});
+        for (int n = kMinOrder; n <= shared::SH_MAX_ORDER; ++n) {
+            const int i = n - kMinOrder;
+            double records = 0.0;
+            double lights[kAlphaCount] = {};
+            for (const Sums& s : sums_) {
+                const double sites =
+                    static_cast<double>(s.sites) * static_cast<double>(sums_.size());
+                records += s.negative[i] / sites;
+                for (int k = 0; k < kAlphaCount * kViewCount; ++k) {
+                    lights[k / kViewCount] += s.negative_light[i][k] / (sites * kViewCount);
+                }
+            }
+            std::vector<std::string> row = {std::to_string(n), percent(records)};
+            for (int a = 2; a < kAlphaCount; ++a) {
+                row.push_back(percent(lights[a]));
+            }
+            negative.add(row);
+        }
+        // For the plot: alpha 0.3, order 8, views near the normal; projections in their order.
+        std::string csv = "tilt";
+        for (size_t p = 0; p < projections_.size(); ++p) {
+            csv += fmt::format(",{}", p);
+        }
+        csv += "\n";
+        for (int tilt = 0; tilt < kTiltCount; ++tilt) {
+            csv += fmt::format("{}", kTiltDegrees[tilt]);
+            for (size_t p = 0; p < projections_.size(); ++p) {
+                const double e[] = {error(kLifted, static_cast<int>(p), 8, 3, 0, tilt),
+                                    error(kLifted, static_cast<int>(p), 8, 3, 1, tilt)};
+                csv += fmt::format(",{}", rms(e));
+            }
+            csv += "\n";
+        }
+        output.write("sh_tilts.csv", csv);
+        output.write("sh_projections.md", text);
+        output.write("sh_negative.md", negative.text());
+    }
+
+    void writePrediction(const Output& output) const {
+        std::string csv = "scene,alpha,view,order,predicted,measured\n";
+        // Correlation of logarithms.
+        double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
+        for (size_t s = 0; s < sums_.size(); ++s) {
+            for (int a = 0; a < kAlphaCount; ++a) {
+                for (int v = 0; v < kViewCount; ++v) {
+                    const LobePrediction prediction = predictLobeError(
+                        std::cos(glm::radians(kViewDegrees[v])), std::sqrt(kAlphas[a]));
+                    for (int order = kMinOrder; order <= shared::SH_MAX_ORDER; ++order) {
+                        const double p = prediction.truncated[order];
+                        const double m =
+                            sums_[s].relRmse(kOnSurface, kProgramFit, order, pixelIndex(a, v, 0));
+                        csv += fmt::format("{},{},{},{},{},{}\n", scenes_[s]->name, kAlphas[a],
+                                           kViewDegrees[v], order, p, m);
+                        const double lx = std::log(p), ly = std::log(m);
+                        n += 1, x += lx, y += ly, xx += lx * lx, yy += ly * ly, xy += lx * ly;
+                    }
+                }
+            }
+        }
+        const double variance_x = xx / n - x / n * x / n;
+        const double variance_y = yy / n - y / n * y / n;
+        const double covariance = xy / n - x / n * y / n;
+        const double factor = (y - x) / n;
+        const double spread = std::sqrt(variance_x + variance_y - 2.0 * covariance);
+
+        Table table({"alpha", "auto", "predicted, worst view", "measured, worst view",
+                     "least order within 2.5%"});
+        for (int a = 0; a < kAlphaCount; ++a) {
+            // The views that the program weighs end at a cosine of 0.3, 72.5 degrees.
+            constexpr int kWeighed = 3;
+            const int chosen = autoOrder(a);
+            const auto worst = [&](int order) {
+                double e = 0.0;
+                for (int v = 0; v < kWeighed; ++v) {
+                    e = std::max(e, error(kOnSurface, kProgramFit, order, a, v, 0));
+                }
+                return e;
+            };
+            double predicted = 0.0;
+            for (int v = 0; v < kWeighed; ++v) {
+                predicted = std::max<double>(
+                    predicted,
+                    predictLobeError(std::cos(glm::radians(kViewDegrees[v])), std::sqrt(kAlphas[a]))
+                        .truncated[chosen]);
+            }
+            int needed = kMinOrder;
+            while (needed <= shared::SH_MAX_ORDER && worst(needed) > kTruncationBudget) {
+                ++needed;
+            }
+            table.add({fmt::format("{}", kAlphas[a]), std::to_string(chosen), percent(predicted),
+                       percent(worst(chosen)),
+                       needed > shared::SH_MAX_ORDER ? "above 10" : std::to_string(needed)});
+        }
+        output.write("sh_prediction.csv", csv);
+        output.write(
+            "sh_prediction.md",
+            table.text() +
+                fmt::format("\nOver all {} combinations of scene, alpha, view and order: "
+                            "correlation of the logarithms {:.2f}; measured over predicted: "
+                            "geometric mean {:.2f}, spread a factor of {:.2f} either way.\n",
+                            n, covariance / std::sqrt(variance_x * variance_y), std::exp(factor),
+                            std::exp(spread)));
+    }
+
+    void writeBands(const Output& output) const {
+        std::vector<std::string> head = {"band"};
+        std::string csv = "band,model";
+        for (const auto& scene : scenes_) {
+            head.push_back(scene->name);
+            csv += "," + scene->name;
+        }
+        head.emplace_back("(l + 1)^-1.3");
+        Table table(head);
+        csv += "\n";
+        for (int l = 0; l < shared::SH_MAX_ORDER; ++l) {
+            const double model = std::pow(l + 1.0, -1.3);
+            std::vector<std::string> row = {std::to_string(l)};
+            csv += fmt::format("{},{}", l, model);
+            for (const Sums& s : sums_) {
+                const double amplitude = std::sqrt(s.band_power[l] / s.band_power[0]);
+                row.push_back(fmt::format("{:.3f}", amplitude));
+                csv += fmt::format(",{}", amplitude);
+            }
+            row.push_back(fmt::format("{:.3f}", model));
+            table.add(row);
+            csv += "\n";
+        }
+        // Exponents: straight lines through (0, 1) in logarithms.
+        std::vector<std::string> row = {"exponent"};
+        for (const Sums& s : sums_) {
+            double xx = 0.0, xy = 0.0;
+            for (int l = 1; l < shared::SH_MAX_ORDER; ++l) {
+                const double x = std::log(l + 1.0);
+                xx += x * x;
+                xy += x * 0.5 * std::log(s.band_power[l] / s.band_power[0]);
+            }
+            row.push_back(fmt::format("{:.2f}", xy / xx));
+        }
+        row.emplace_back("-1.30");
+        table.add(row);
+        output.write("sh_bands.csv", csv);
+        output.write("sh_bands.md", table.text());
+    }
+
+    const std::vector<Projection>& projections_;
+    const BenchScenes& scenes_;
+    const std::vector<Sums>& sums_;
+};
+
+}  // namespace
+
+void writeProjectionReport(const std::vector<Projection>& projections, const BenchScenes& scenes,
+                           const std::vector<Sums>& sums, const Output& output) {
+    Report(projections, scenes, sums).write(output);
+}
+
+}  // namespace sheen::bench
