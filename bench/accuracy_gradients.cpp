@@ -41,7 +41,8 @@ class GradientRows {
         const RecordSite site{.normal = vec3(0, 0, 1), .order = kShGradientOrder};
         const ShLayout layout = shLayout(kShGradientOrder);
         for (size_t i = 0; i < matrices_.size(); ++i) {
-            const GatheredRecord r = integrateHemisphere(hemisphere_, texels, matrices_[i], site);
+            const GatheredRecord r = integrateHemisphere(
+                hemisphere_, texels, {.value = matrices_[i], .gradient = matrices_[i]}, site);
             for (int axis = 0; axis < 2; ++axis) {
                 *e[axis] = grey(vec3(r.record.translation_r[axis], r.record.translation_g[axis],
                                      r.record.translation_b[axis]));

@@ -55,10 +55,10 @@ std::vector<vec4> render(const Hemisphere& h, const mat3& frame, const Look& loo
 
 GatheredRecord integrate(const Hemisphere& h, const RecordSite& site, const Look& look,
                          int samples = 1) {
-    const std::vector<float> projection =
-        site.order > 0 ? projectionMatrix(h, {.order = site.order}) : std::vector<float>();
-    return integrateHemisphere(h, render(h, tangentFrame(site.normal), look, samples), projection,
-                               site);
+    ProjectionMatrices projections;
+    projections.prepare(h, {&site, 1});
+    return integrateHemisphere(h, render(h, tangentFrame(site.normal), look, samples),
+                               projections.of(site.order), site);
 }
 
 RecordSite siteWith(const vec3& normal, int order) {

@@ -91,7 +91,7 @@ TEST(Placement, CurvatureEndsTheReach) {
     PlacementParams params;
     params.neighbour_clamping = false;
     params.disagreement = 0.0f;
-    params.min_pixels = 0.1f;
+    params.min_pixels = 1.0f;
     params.max_pixels = 1e3f;
     size_t fewer = 0;
     for (float curvature : {0.0f, 0.5f, 4.0f, 32.0f}) {
@@ -117,6 +117,7 @@ TEST(Placement, CurvatureEndsTheReach) {
         fewer = placement.cache.records.size() + 1;
     }
     // Curvature without light: the least reach.
+    params.min_pixels = 3.0f;
     const Placement dark = place(stage, params, [](const RecordSite&, GatheredRecord& g) {
         g.record.irradiance = vec3(0.0f);
         g.curvature = 1.0f;

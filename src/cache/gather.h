@@ -18,11 +18,20 @@ struct GatherSeconds {
     double project = 0;  ///< sums, gradients, spherical harmonics
 };
 
+/// Rows of a projectionMatrix() [coefficient][texel]: those that a record's radiance goes through,
+/// and those for its gradients, a fit of their own with fewer bands. (The first bands of the larger
+/// fit would not do: its bands cancel each other below the horizon, and where some are missing,
+/// above.)
+struct ShProjection {
+    std::span<const float> value;
+    std::span<const float> gradient;
+};
+
 /// Radiance and distance of a record's texels: RGB and w (0: nothing seen). Turns them into a
 /// record: irradiance, gradients, harmonic mean distance and, for order > 0, spherical harmonics
-/// through `projection` (of that order).
+/// through `projection`, which fits that order.
 GatheredRecord integrateHemisphere(const Hemisphere& hemisphere, std::span<const vec4> texels,
-                                   const std::vector<float>& projection, const RecordSite& site);
+                                   const ShProjection& projection, const RecordSite& site);
 
 /// The matrices integrateHemisphere() projects with, each made when it is first asked for.
 class ProjectionMatrices {
@@ -30,7 +39,10 @@ class ProjectionMatrices {
     /// Makes those that `sites` need.
     void prepare(const Hemisphere& hemisphere, std::span<const RecordSite> sites);
     /// Empty for diffuse records.
-    const std::vector<float>& of(int order) const { return of_[static_cast<size_t>(order)]; }
+    ShProjection of(int order) const {
+        return {.value = of_[static_cast<size_t>(order)],
+                .gradient = of_[static_cast<size_t>(shLayout(order).gradient_order)]};
+    }
 
   private:
     std::vector<float> of_[shared::SH_MAX_ORDER + 1];

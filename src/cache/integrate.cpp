@@ -92,9 +92,8 @@ float dotProduct(const float* a, const float* b, size_t n) {
 }
 
 std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
-                             const TranslationGradient& gradient,
-                             const std::vector<float>& projection, int order,
-                             const mat3& world_from_local) {
+                             const TranslationGradient& gradient, const ShProjection& projection,
+                             int order, const mat3& world_from_local) {
     const ShLayout layout = shLayout(order);
     const auto count = static_cast<size_t>(h.texelCount());
     const ShRotation rotation(world_from_local, order);
@@ -102,10 +101,11 @@ std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
     std::vector<float> sh(static_cast<size_t>(layout.size()));
     std::vector<float> local(static_cast<size_t>(layout.coefficients()));
     std::vector<float> plane(count);
-    const auto project = [&](int coefficients, const ShRotation& turn, float* out) {
+    const auto project = [&](std::span<const float> matrix, int coefficients,
+                             const ShRotation& turn, float* out) {
         for (int k = 0; k < coefficients; ++k) {
             local[static_cast<size_t>(k)] =
-                dotProduct(&projection[static_cast<size_t>(k) * count], plane.data(), count);
+                dotProduct(&matrix[static_cast<size_t>(k) * count], plane.data(), count);
         }
         turn.apply(local.data(), out);
     };
@@ -113,7 +113,7 @@ std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
         for (size_t t = 0; t < count; ++t) {
             plane[t] = texels[t][channel];
         }
-        project(layout.coefficients(), rotation,
+        project(projection.value, layout.coefficients(), rotation,
                 &sh[static_cast<size_t>(channel * layout.coefficients())]);
     }
     // What a texel exchanged is radiance times solid angle; the matrix expects radiance.
@@ -122,7 +122,7 @@ std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
             for (size_t t = 0; t < count; ++t) {
                 plane[t] = gradient.exchanged[axis][channel][t] / h.solid_angles[t];
             }
-            project(layout.gradientCoefficients(), gradient_rotation,
+            project(projection.gradient, layout.gradientCoefficients(), gradient_rotation,
                     &sh[static_cast<size_t>(layout.gradientFirst(axis) +
                                             channel * layout.gradientCoefficients())]);
         }
@@ -134,15 +134,17 @@ std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
 
 void ProjectionMatrices::prepare(const Hemisphere& hemisphere, std::span<const RecordSite> sites) {
     for (const RecordSite& site : sites) {
-        std::vector<float>& matrix = of_[site.order];
-        if (site.order > shared::DIFFUSE_ORDER && matrix.empty()) {
-            matrix = projectionMatrix(hemisphere, {.order = site.order});
+        for (int order : {site.order, shLayout(site.order).gradient_order}) {
+            std::vector<float>& matrix = of_[static_cast<size_t>(order)];
+            if (order > shared::DIFFUSE_ORDER && matrix.empty()) {
+                matrix = projectionMatrix(hemisphere, {.order = order});
+            }
         }
     }
 }
 
 GatheredRecord integrateHemisphere(const Hemisphere& h, std::span<const vec4> texels,
-                                   const std::vector<float>& projection, const RecordSite& site) {
+                                   const ShProjection& projection, const RecordSite& site) {
     SHEEN_CHECK_EQ(texels.size(), static_cast<size_t>(h.texelCount()));
     const mat3 frame = tangentFrame(site.normal);
     const size_t count = texels.size();

@@ -382,6 +382,7 @@ Placement Placer::run(bool quiet) {
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
                        const PixelLobes& lobes, const PlacementParams& params,
                        const GatherFunction& gather, bool quiet) {
+    SHEEN_CHECK(params.min_pixels >= 1.0f);
     return Placer(scene, gbuffer, classes, lobes, params, gather).run(quiet);
 }
 

@@ -24,7 +24,8 @@ struct PlacementParams {
                                  ///< record's reach times that reach in pixels
     float normal_weight = 4.0f;  ///< k_n of the weight function
     float slab = 0.1f;           ///< c of the weight function
-    float min_pixels = 1.5f;     ///< least reach a R, in footprints of the record's pixel
+    float min_pixels = 1.5f;     ///< least reach a R, in footprints of the record's pixel; at
+                                 ///< least 1, so that it serves its own pixel
     float max_pixels = 30.0f;    ///< greatest reach
     bool neighbour_clamping = true;
     float disagreement = 0.2f;    ///< times `accuracy`: relative error at which a record's reach

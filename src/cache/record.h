@@ -42,7 +42,7 @@ struct ShLayout {
 };
 
 /// Bands that carry translation gradients, at most (docs/decisions.md).
-constexpr int kShGradientOrder = 4;
+constexpr int kShGradientOrder = 3;
 
 inline ShLayout shLayout(int order) {
     return {.order = order, .gradient_order = order < kShGradientOrder ? order : kShGradientOrder};
