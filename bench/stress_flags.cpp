@@ -38,6 +38,10 @@ class Judge {
         return triangle != kNoPrimitive && triangle == test_.primitive.at(x, y);
     }
     double meanOf(const Image<vec3>& layer) const;
+    void poolVariance();
+    double otherLight(int x, int y, int c) const {
+        return reference_.direct.at(x, y)[c] + reference_.emission.at(x, y)[c];
+    }
     void judgePixels();
     void countPatches();
     void judgeTiles();
@@ -48,6 +52,7 @@ class Judge {
     const Frame& reference_;
     const FlagBounds& bounds_;
     double mean_ = 0;
+    Image<vec3> variance_;
     Flags flags_;
 };
 
@@ -72,6 +77,26 @@ double Judge::meanOf(const Image<vec3>& layer) const {
     return sum / static_cast<double>(values.size());
 }
 
+void Judge::poolVariance() {
+    constexpr int kRadius = 2;
+    variance_ = reference_.indirect_variance;
+    for (int y = 0; y < variance_.height; ++y) {
+        for (int x = 0; x < variance_.width; ++x) {
+            vec3 sum(0.0f);
+            float count = 0.0f;
+            for (int v = std::max(y - kRadius, 0); v <= std::min(y + kRadius, variance_.height - 1);
+                 ++v) {
+                for (int u = std::max(x - kRadius, 0);
+                     u <= std::min(x + kRadius, variance_.width - 1); ++u) {
+                    sum += reference_.indirect_variance.at(u, v);
+                    count += 1.0f;
+                }
+            }
+            variance_.at(x, y) = glm::max(variance_.at(x, y), sum / count);
+        }
+    }
+}
+
 void Judge::judgePixels() {
     for (int y = 0; y < reference_.height(); ++y) {
         for (int x = 0; x < reference_.width(); ++x) {
@@ -87,9 +112,9 @@ void Judge::judgePixels() {
             }
             double excess = 0.0;
             for (int c = 0; c < 3; ++c) {
-                const double sigma = std::sqrt(reference_.indirect_variance.at(x, y)[c]);
+                const double sigma = std::sqrt(variance_.at(x, y)[c]);
                 const double bound = bounds_.pixel_share * b[c] + bounds_.pixel_floor * mean_ +
-                                     bounds_.sigmas * sigma;
+                                     bounds_.unseen * otherLight(x, y, c) + bounds_.sigmas * sigma;
                 excess = std::max(excess, excessOf(std::abs(a[c] - b[c]), bound));
             }
             heed(flags_.pixel, excess, x, y);
@@ -120,7 +145,7 @@ void Judge::countPatches() {
 void Judge::judgeTiles() {
     for (int ty = 0; ty + kTile <= reference_.height(); ty += kTile) {
         for (int tx = 0; tx + kTile <= reference_.width(); tx += kTile) {
-            glm::dvec3 difference(0.0), level(0.0), variance(0.0);
+            glm::dvec3 difference(0.0), level(0.0), variance(0.0), other(0.0);
             int count = 0;
             for (int y = ty; y < ty + kTile; ++y) {
                 for (int x = tx; x < tx + kTile; ++x) {
@@ -130,6 +155,8 @@ void Judge::judgeTiles() {
                                       glm::dvec3(reference_.indirect.at(x, y));
                         level += glm::dvec3(reference_.indirect.at(x, y));
                         variance += glm::dvec3(reference_.indirect_variance.at(x, y));
+                        other += glm::dvec3(reference_.direct.at(x, y)) +
+                                 glm::dvec3(reference_.emission.at(x, y));
                     }
                 }
             }
@@ -140,7 +167,7 @@ void Judge::judgeTiles() {
             for (int c = 0; c < 3; ++c) {
                 const double n = count;
                 const double bound = bounds_.tile_share * level[c] / n +
-                                     bounds_.tile_floor * mean_ +
+                                     bounds_.tile_floor * mean_ + bounds_.unseen * other[c] / n +
                                      bounds_.sigmas * std::sqrt(variance[c]) / n;
                 excess = std::max(excess, excessOf(std::abs(difference[c]) / n, bound));
             }
@@ -201,6 +228,7 @@ void Judge::compareAll() {
 Flags Judge::judge() {
     flags_.mask = Image<uint8_t>(reference_.width(), reference_.height());
     mean_ = meanOf(reference_.indirect);
+    poolVariance();
     judgePixels();
     countPatches();
     judgeTiles();

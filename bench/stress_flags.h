@@ -8,12 +8,15 @@
 
 namespace sheen {
 
-/// With a: test, b: reference, s: standard deviation of b, and m: the mean of b over the image's
+/// With a: test, b: reference, s: standard deviation of b, by its own or by the mean variance of
+/// the 5 x 5 pixels around, whichever is greater (where light is rarely found the replicates of one
+/// pixel may all have missed it), and m: the mean of b over the image's
 /// pixels with geometry, per channel of the indirect layer: a pixel is flagged where
-///     |a - b| > pixel_share b + pixel_floor m + sigmas s,
+///     |a - b| > pixel_share b + pixel_floor m + unseen d + sigmas s,
 /// a tile of 8 x 8 pixels where the same holds of its means with the tile's shares and the standard
 /// deviation of the tile's mean. m takes b as at most `highlight` times its median, so that a
-/// highlight hides nothing elsewhere.
+/// highlight hides nothing elsewhere. d is what else the reference's pixel shows, direct light and
+/// emission: beside much of it an error is not seen.
 ///
 /// The direct layer has hard edges, which a shadow map draws softly and a texel or two off: a pixel
 /// is flagged where it lies outside the range of the reference's pixels around it, by
@@ -21,6 +24,7 @@ namespace sheen {
 struct FlagBounds {
     double pixel_share = 0.5;
     double pixel_floor = 0.3;
+    double unseen = 0.02;
     double sigmas = 6.0;  ///< of 16 replicates: their spread is itself uncertain by 18%
     double tile_share = 0.25;
     double tile_floor = 0.1;
