@@ -108,6 +108,19 @@ void keepImages(const std::string& path, const Frame& test, const Frame& truth,
     writePng(path, sheet);
 }
 
+// Roughness of the smoothest material that has a lobe; 1 where none has. What lights send off
+// smooth ones the reference finds too rarely to judge.
+float smoothest(const Scene& scene) {
+    float roughness = 1.0f;
+    for (const Material& material : scene.materials) {
+        const MaterialParams& m = material.params;
+        if (m.metallic > 0.0f || m.specular > 0.0f) {
+            roughness = std::min(roughness, m.roughness);
+        }
+    }
+    return roughness;
+}
+
 // Whether anything was flagged.
 bool stress(uint32_t seed, const Options& options) {
     const StressScene made = stressScene(seed);
@@ -138,13 +151,13 @@ bool stress(uint32_t seed, const Options& options) {
         "worst {:5.2f} at "
         "{:2d},{:2d} | tiles {:2d} worst {:5.2f} at {:2d},{:2d} | direct {:4d} worst {:5.2f} at "
         "{:2d},{:2d} | not finite or uncovered {} other triangle {} of {} | records {} gloss "
-        "{:.2f} | {}\n",
+        "{:.2f} smoothest {:.2f} | {}\n",
         seed, flagged ? "FLAG" : "ok  ", 100 * flags.rel_rmse, 100 * flags.bias, flags.noise_share,
         flags.pixels, flags.patches, flags.pixel.excess, flags.pixel.at.x, flags.pixel.at.y,
         flags.tiles, flags.tile.excess, flags.tile.at.x, flags.tile.at.y, flags.direct,
         flags.direct_pixel.excess, flags.direct_pixel.at.x, flags.direct_pixel.at.y, others,
         flags.other_triangle, flags.geometry, result.stats.records, result.stats.too_glossy_share,
-        made.what);
+        smoothest(scene), made.what);
     std::fflush(stdout);
     if (!options.keep.empty() && (flagged || options.keep_all) && flags.nonfinite == 0) {
         keepImages(fmt::format("{}/{:04d}.png", options.keep, seed), result.frame, truth.frame,
