@@ -271,7 +271,7 @@ TEST(Curvature, AgainstTheClosedForm) {
 }
 
 TEST(TranslationGradient, SphericalHarmonicsAgainstFiniteDifferences) {
-    const int order = 4;
+    const int order = kShGradientOrder;  // whose fit the gradients are
     const Hemisphere h =
         makeHemisphere({.kind = HemisphereKind::kBorder, .size = 64, .extent = 4.0f});
     const ShLayout layout = shLayout(order);

@@ -98,6 +98,31 @@ TEST(Hemisphere, FurnaceIrradianceIsPi) {
     }
 }
 
+TEST(Hemisphere, ABrightRingAtThePlanesBorderIsNeitherLostNorDoubled) {
+    // Light from a ring of directions theta to theta + 12 degrees, moved across the border of a
+    // plane of extent 3 (71.6 to 76.7 degrees) and out of it. Border texels stretch what the plane
+    // sees last to the horizon, so a ring beside the border counts too much or not at all: by no
+    // more than the whole strip's irradiance, pi cos^2(71.6), which is 31% of a ring's there.
+    constexpr float kWidth = 12.0f;
+    for (HemisphereKind kind : {HemisphereKind::kBorder, HemisphereKind::kHemicube}) {
+        const Hemisphere h = makeHemisphere({.kind = kind, .size = 64, .extent = 3.0f});
+        const double strip = kind == HemisphereKind::kBorder ? M_PI * 0.1 : 0.0;
+        for (float theta : {40.0f, 60.0f, 66.0f, 70.0f, 74.0f, 78.0f}) {
+            const float upper = std::cos(glm::radians(theta));
+            const float lower = std::cos(glm::radians(theta + kWidth));
+            double irradiance = 0.0;
+            for (size_t t = 0; t < h.cosines.size(); ++t) {
+                const float z = h.directions[t].z;
+                irradiance += z <= upper && z > lower ? h.cosines[t] : 0.0f;
+            }
+            const double expected = M_PI * (upper * upper - lower * lower);
+            // A texel of 64 is 1 to 4 degrees wide: both edges of the ring are that uncertain.
+            EXPECT_NEAR(irradiance, expected, 0.1 * expected + strip)
+                << "kind " << static_cast<int>(kind) << " theta " << theta;
+        }
+    }
+}
+
 TEST(HemisphereClosedForms, EqualNumericIntegrals) {
     Random random(1);
     for (int trial = 0; trial < 20; ++trial) {

@@ -1,1 +1,2 @@
-sheen_test(render SOURCES render_test.cpp render_test_reference.cpp USES sheen_render sheen_metrics)
+sheen_test(render SOURCES render_test.cpp render_test_reference.cpp render_test_stability.cpp
+           USES sheen_render sheen_metrics sheen_stress)

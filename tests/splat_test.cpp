@@ -121,6 +121,40 @@ TEST(Splat, HugeAndTinyRecords) {
     }
 }
 
+TEST(Splat, LongSumsOfHugeWeightsKeepTheirMean) {
+    // A record at every pixel, each of which reaches all others that face the same way: hundreds of
+    // weights, a few of them thousands of times the rest. Single precision loses less than a part
+    // in a thousand.
+    constexpr float kSumError = 1e-3f;
+    const Scene scene =
+        cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f), diffuseParams(vec3(0.5f)));
+    TestStage stage(scene);
+    const GBuffer g = stage.gbuffer(40, 40);
+    const PixelClasses classes = classifyPixels(scene, g, 4, true);
+    const PixelLobes lobes = buildLobes(g, classes);
+    RecordCache cache = makeRecords(g, classes, 1, 7);
+    ASSERT_GT(cache.records.size(), 1500u);
+    const vec3 light(0.7f, 1e-3f, 4e4f);
+    for (Record& r : cache.records) {
+        r.radius = 1e4f;
+        r.irradiance = light;
+        r.rotation_r = r.rotation_g = r.rotation_b = vec3(0.0f);
+        r.translation_r = r.translation_g = r.translation_b = vec3(0.0f);
+    }
+    for (const SplatBuffer& splat : {splatGpu(stage.pool, g, classes, lobes, cache, kWeight),
+                                     splatCpu(g, classes, lobes, cache, kWeight)}) {
+        float greatest = 0.0f;
+        for (const vec4& sum : splat.irradiance.pixels) {
+            ASSERT_GT(sum.w, 0.0f);
+            greatest = std::max(greatest, sum.w);
+            for (int c = 0; c < 3; ++c) {
+                ASSERT_NEAR(sum[c] / sum.w, light[c], kSumError * light[c]);
+            }
+        }
+        EXPECT_GT(greatest, 1e6f);
+    }
+}
+
 TEST(Splat, NoRecordsNoPixelsNoGloss) {
     const Scene scene =
         cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f), diffuseParams(vec3(0.5f)));

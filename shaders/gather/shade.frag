@@ -16,5 +16,5 @@ void main() {
     GatherTexel texel = gatherTexel();
     Surface s = surfaceAt(id - 1u, texel.origin, texel.direction, texel.solid_angle);
     vec3 wo = normalize(texel.origin - s.p);
-    out_radiance = vec4(directRadiance(s, wo) + s.material.emission, s.distance);
+    out_radiance = vec4(directRadiance(s, wo, texel.solid_angle) + s.material.emission, s.distance);
 }

@@ -72,10 +72,12 @@ vec3 liftToSurface(vec3 p, vec3 n_g, vec3 wi, float lod_error) {
     return p + lod_error * (2.0 * n_g + 3.0 * wi);
 }
 
-// Radiance toward wo of light scattered once.
-vec3 directRadiance(Surface s, vec3 wo) {
+// Radiance toward wo of light scattered once, as seen by a ray that stands for `solid_angle` (0: for
+// itself).
+vec3 directRadiance(Surface s, vec3 wo, float solid_angle) {
     float NoV = max(dot(s.n, wo), MIN_COSINE);
     Brdf brdf = makeBrdf(s.material, brdfAlbedo(NoV, s.material.roughness));
+    float alpha = brdf.alpha;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < light_count; ++i) {
         PunctualLight light = lights[i];
@@ -83,6 +85,7 @@ vec3 directRadiance(Surface s, vec3 wo) {
         float NoL = dot(s.n, l.wi);
         if (NoL > 0.0 && dot(s.n_g, l.wi) > 0.0) {
             vec3 p = liftToSurface(s.p, s.n_g, l.wi, s.lod_error);
+            brdf.alpha = filteredAlpha(alpha, solid_angle, s.distance, l.distance);
             vec3 f = evalBrdf(brdf, s.n, wo, l.wi);
             sum += f * l.irradiance * (NoL * lightVisibility(light, p, s.n_g));
         }

@@ -40,6 +40,6 @@ void main() {
     out_normal = vec4(s.n, s.material.roughness);
     out_diffuse = vec4(brdf.diffuse, brdf.f90);
     out_f0 = vec4(brdf.f0, triangleBits(s.scene_triangle));
-    out_direct = vec4(directRadiance(s, wo), 0.0);
+    out_direct = vec4(directRadiance(s, wo, 0.0), 0.0);
     out_emission = vec4(s.material.emission, 0.0);
 }

@@ -59,6 +59,19 @@ FN float alphaFromRoughness(float roughness) {
     return r * r;
 }
 
+// Half the cone's radius would do (below); half again as much halves what records still differ by.
+const float FILTER_WIDTH = 0.75f;
+
+// The width of a lobe as a ray sees it that stands for a cone of `solid_angle` and met the surface
+// after `distance`, under a light `light_distance` away (negative: infinitely far). A highlight that
+// is narrower than the cone is met by few rays, each of them far too bright; one as wide as the cone
+// brings the same light on average and is met by all. Across the cone of radius r the half vector
+// turns by half of r, and by half of r distance / light_distance as the light's direction changes.
+FN float filteredAlpha(float alpha, float solid_angle, float distance, float light_distance) {
+    float bend = light_distance < 0.0f ? 1.0f : 1.0f + distance / max(light_distance, 1e-30f);
+    return max(alpha, min(FILTER_WIDTH * sqrt(solid_angle / PI) * bend, 1.0f));
+}
+
 // `albedo_ab` is the albedo table at (NoV, roughness). [glTF, KHR_materials_specular]
 FN Brdf makeBrdf(IN(MaterialParams) m, IN(vec2) albedo_ab) {
     Brdf b;

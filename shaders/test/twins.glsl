@@ -100,7 +100,8 @@ FN vec4 twin(int which, IN(vec4) a, IN(vec4) b, IN(vec4) c, IN(vec4) d) {
         return vec4(schlickWeight(d.z), alphaFromRoughness(d.w), params.x, params.y);
     }
     if (which == TWIN_NORMAL) {
-        return vec4(shadingNormal(vec3(a), faceViewer(vec3(b), vec3(c)), vec3(c)), 0.0f);
+        return vec4(shadingNormal(vec3(a), faceViewer(vec3(b), vec3(c)), vec3(c)),
+                    filteredAlpha(alphaFromRoughness(d.w), abs(d.x), abs(d.y), d.z));
     }
     if (which == TWIN_WEIGHT) {
         WeightParams w;

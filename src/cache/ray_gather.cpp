@@ -39,13 +39,15 @@ struct WorldFace {
 // shading normal's hemisphere may reach, are not cast: nothing comes from there.
 struct Packet {
     vec3 directions[kPacket];
+    float solid_angles[kPacket];  // that the rays stand for
     size_t of[kPacket];
     vec4 seen[kPacket];
     size_t count = 0;
 
-    void add(const vec3& direction, const vec3& n_g, size_t texel) {
+    void add(const vec3& direction, float solid_angle, const vec3& n_g, size_t texel) {
         if (glm::dot(direction, n_g) > 0.0f) {
             directions[count] = direction;
+            solid_angles[count] = solid_angle;
             of[count++] = texel;
         }
     }
@@ -126,10 +128,12 @@ std::vector<vec4> RayGatherer::see(const RecordSite& site, uint32_t index) const
                     for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
                         const size_t t = texelOf(face, x, y);
                         const vec2 place = randomPlace(index, static_cast<uint32_t>(t));
-                        packet.add(world.direction(x, y, place), site.geometric_normal, t);
+                        packet.add(world.direction(x, y, place), h.solid_angles[t],
+                                   site.geometric_normal, t);
                     }
                 }
-                rays_.cast(eye, {packet.directions, packet.count}, packet.seen);
+                rays_.cast(eye, {packet.directions, packet.count}, packet.seen,
+                           packet.solid_angles);
                 for (size_t k = 0; k < packet.count; ++k) {
                     texels[packet.of[k]] = packet.seen[k];
                 }
@@ -153,9 +157,11 @@ std::vector<vec4> RayGatherer::see(const RecordSite& site, uint32_t index) const
                     const vec2 place = (vec2(k % kBlockWidth, k / kBlockWidth) +
                                         randomPlace(index, static_cast<uint32_t>(ray))) /
                                        vec2(kBlockWidth, kBlockHeight);
-                    packet.add(world.direction(x, y, place), site.geometric_normal, t);
+                    packet.add(world.direction(x, y, place), h.solid_angles[t] / kPacket,
+                               site.geometric_normal, t);
                 }
-                rays_.cast(eye, {packet.directions, packet.count}, packet.seen);
+                rays_.cast(eye, {packet.directions, packet.count}, packet.seen,
+                           packet.solid_angles);
                 // The mean of radiance, and of the distance's inverse, over all nine rays.
                 vec3 radiance(texels[t]);
                 float inverse = texels[t].w > 0.0f ? 1.0f / texels[t].w : 0.0f;

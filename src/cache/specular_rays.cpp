@@ -37,6 +37,7 @@ vec3 reflected(const RayCaster& rays, const GBuffer& gbuffer, const vec3& n_g, s
     for (int row = 0; row < rows; ++row) {
         vec3 directions[kRowSamples];
         vec3 weights[kRowSamples];
+        float solid_angles[kRowSamples];  // that the rays stand for
         vec4 seen[kRowSamples];
         size_t count = 0;
         for (int k = 0; k < kRowSamples; ++k) {
@@ -55,10 +56,15 @@ vec3 reflected(const RayCaster& rays, const GBuffer& gbuffer, const vec3& n_g, s
             all += weight;
             if (glm::dot(direction, n_g) > 0.0f) {
                 directions[count] = glm::normalize(direction);
+                // One over the rays' density: D G1 / (4 NoV) of each. [Hei18, eq. 19]
+                const float density = static_cast<float>(rows * kRowSamples) *
+                                      shared::distributionGgx(h.z, alpha) *
+                                      maskingSmith(NoV, alpha) / (4.0f * NoV);
+                solid_angles[count] = std::min(1.0f / std::max(density, 1e-12f), kPi);
                 weights[count++] = weight;
             }
         }
-        rays.cast(eye, {directions, count}, seen);
+        rays.cast(eye, {directions, count}, seen, solid_angles);
         for (size_t k = 0; k < count; ++k) {
             sum += weights[k] * vec3(seen[k]);
         }

@@ -113,14 +113,17 @@ void RayCaster::build() {
     }
 }
 
-void RayCaster::cast(const vec3& origin, std::span<const vec3> directions, vec4* seen) const {
+void RayCaster::cast(const vec3& origin, std::span<const vec3> directions, vec4* seen,
+                     const float* solid_angles) const {
     for (size_t first = 0; first < directions.size(); first += kPacket) {
         const size_t count = std::min<size_t>(kPacket, directions.size() - first);
-        castPacket(origin, directions.subspan(first, count), seen + first);
+        castPacket(origin, directions.subspan(first, count), seen + first,
+                   solid_angles != nullptr ? solid_angles + first : nullptr);
     }
 }
 
-void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions, vec4* seen) const {
+void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions, vec4* seen,
+                           const float* solid_angles) const {
     const auto count = static_cast<int>(directions.size());
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -154,6 +157,7 @@ void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions,
         alignas(32) RTCRay8 shadow{};
         vec3 wi[kPacket];
         vec3 irradiance[kPacket];  // on the surface, unshadowed
+        float alpha[kPacket];
         for (int k = 0; k < count; ++k) {
             if (cast.lanes[k] == 0) {
                 continue;
@@ -166,6 +170,9 @@ void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions,
             }
             wi[k] = l.wi;
             irradiance[k] = l.irradiance * NoL;
+            alpha[k] = shared::filteredAlpha(m.brdf.alpha,
+                                             solid_angles != nullptr ? solid_angles[k] : 0.0f,
+                                             rays.ray.tfar[k], l.distance);
             lit.lanes[k] = -1;
             const vec3 start = this->origin(m.position, m.n_g, m.wo);
             if (l.distance < 0.0f) {
@@ -181,7 +188,9 @@ void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions,
             // Embree sets tfar to -infinity where something is in the way.
             if (lit.lanes[k] != 0 && shadow.tfar[k] >= 0.0f) {
                 const Met& m = met[k];
-                seen[k] += vec4(shared::evalBrdf(m.brdf, m.n, m.wo, wi[k]) * irradiance[k], 0.0f);
+                Brdf brdf = m.brdf;
+                brdf.alpha = alpha[k];
+                seen[k] += vec4(shared::evalBrdf(brdf, m.n, m.wo, wi[k]) * irradiance[k], 0.0f);
             }
         }
     }

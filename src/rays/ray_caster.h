@@ -24,7 +24,10 @@ class RayCaster {
     /// For each of `directions` (unit), from `origin`: the radiance that arrives, light scattered
     /// once and emission, and in w the distance it comes from; all zero where nothing is met. As
     /// many `seen` as directions. Neighbouring rays should point in similar directions.
-    void cast(const vec3& origin, std::span<const vec3> directions, vec4* seen) const;
+    /// `solid_angles`, as many: of the cone a ray stands for. Highlights narrower than it are seen
+    /// as wide as it is (filteredAlpha() in brdf.glsl); null: each ray stands for itself.
+    void cast(const vec3& origin, std::span<const vec3> directions, vec4* seen,
+              const float* solid_angles = nullptr) const;
 
     /// Where a ray starts that leaves a point of a surface, whose geometric normal n_g is on the
     /// side of the unit direction `toward_viewer`, from where the point is seen (zero: from
@@ -42,7 +45,8 @@ class RayCaster {
         void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
     };
     void build();
-    void castPacket(const vec3& origin, std::span<const vec3> directions, vec4* seen) const;
+    void castPacket(const vec3& origin, std::span<const vec3> directions, vec4* seen,
+                    const float* solid_angles) const;
 
     const Scene& scene_;
     float offset_ = 0;

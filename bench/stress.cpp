@@ -1,0 +1,196 @@
+// stress [--seeds A..B] [--size N] [--spp N] [--keep DIR]: renders random scenes (stress_scenes.h)
+// by the cache and by the reference, and flags what is off by more than the bounds of
+// stress_flags.h. A line a scene; docs/stability.md says what it found.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+
+#include "core/error.h"
+#include "image/png.h"
+#include "metrics/compare.h"
+#include "reference/reference.h"
+#include "render/render.h"
+#include "stress_flags.h"
+#include "stress_scenes.h"
+
+namespace {
+
+using namespace sheen;
+
+// Of a flagged scene: how many more paths its second reference has.
+constexpr int kSecondOpinion = 4;
+
+struct Options {
+    uint32_t first = 0, last = 199;
+    int size = 48;
+    int spp = 256;
+    std::string keep;  // folder for images of flagged seeds
+    bool keep_all = false;
+};
+
+uint32_t number(std::string_view text) {
+    uint32_t value = 0;
+    const char* end = text.data() + text.size();
+    if (std::from_chars(text.data(), end, value).ptr != end || text.empty()) {
+        throwUsage("{}: not a number", text);
+    }
+    return value;
+}
+
+Options parse(int argc, char** argv) {
+    Options options;
+    for (int i = 1; i < argc; ++i) {
+        const std::string_view name = argv[i];
+        if (name == "--keep-all") {
+            options.keep_all = true;
+            continue;
+        }
+        if (i + 1 == argc) {
+            throwUsage(
+                "usage: stress [--seeds A..B] [--size N] [--spp N] [--keep DIR] [--keep-all]");
+        }
+        const std::string_view value = argv[++i];
+        if (name == "--seeds") {
+            const size_t dots = value.find("..");
+            options.first = number(value.substr(0, dots));
+            options.last = dots == value.npos ? options.first : number(value.substr(dots + 2));
+        } else if (name == "--size") {
+            options.size = static_cast<int>(number(value));
+        } else if (name == "--spp") {
+            options.spp = static_cast<int>(number(value));
+        } else if (name == "--keep") {
+            options.keep = value;
+        } else {
+            throwUsage("{}: no such option", name);
+        }
+    }
+    return options;
+}
+
+void paste(Image<Rgb8>& sheet, const Image<Rgb8>& tile, int column, int row, int zoom) {
+    for (int y = 0; y < zoom * tile.height; ++y) {
+        for (int x = 0; x < zoom * tile.width; ++x) {
+            sheet.at(column * (zoom * tile.width + 4) + x, row * (zoom * tile.height + 4) + y) =
+                tile.at(x / zoom, y / zoom);
+        }
+    }
+}
+
+// Six pictures: beauty and indirect layer by the cache, by the reference; errors, and flags (red:
+// indirect, blue: direct, dark green: tile, grey: another triangle).
+void keepImages(const std::string& path, const Frame& test, const Frame& truth,
+                const Flags& flags) {
+    constexpr int kZoom = 4;
+    const int size = truth.width();
+    Image<Rgb8> sheet(3 * kZoom * size + 8, 2 * kZoom * size + 4, Rgb8{128, 128, 128});
+    const float beauty_exposure = autoExposure(beauty(truth));
+    const float exposure = autoExposure(truth.indirect);
+    paste(sheet, displayImage(beauty(test), beauty_exposure), 0, 0, kZoom);
+    paste(sheet, displayImage(beauty(truth), beauty_exposure), 0, 1, kZoom);
+    paste(sheet, displayImage(test.indirect, exposure), 1, 0, kZoom);
+    paste(sheet, displayImage(truth.indirect, exposure), 1, 1, kZoom);
+    const CompareInput input = {.test = test.indirect,
+                                .reference = truth.indirect,
+                                .reference_variance = &truth.indirect_variance,
+                                .test_primitive = &test.primitive,
+                                .reference_primitive = &truth.primitive};
+    paste(sheet, bytesFromDisplay(heatmap(input)), 2, 0, kZoom);
+    Image<vec3> marks(size, size);
+    for (size_t i = 0; i < marks.pixels.size(); ++i) {
+        const uint8_t m = flags.mask.pixels[i];
+        marks.pixels[i] = (m & 8) != 0
+                              ? vec3(0.5f)
+                              : vec3((m & 1) != 0, (m & 4) != 0 ? 0.3f : 0.0f, (m & 2) != 0);
+    }
+    paste(sheet, bytesFromDisplay(marks), 2, 1, kZoom);
+    writePng(path, sheet);
+}
+
+// Roughness of the smoothest material that has a lobe; 1 where none has. What lights send off
+// smooth ones the reference finds too rarely to judge.
+float smoothest(const Scene& scene) {
+    float roughness = 1.0f;
+    for (const Material& material : scene.materials) {
+        const MaterialParams& m = material.params;
+        if (m.metallic > 0.0f || m.specular > 0.0f) {
+            roughness = std::min(roughness, m.roughness);
+        }
+    }
+    return roughness;
+}
+
+// Whether anything was flagged.
+bool stress(uint32_t seed, const Options& options) {
+    const StressScene made = stressScene(seed);
+    const Scene& scene = made.scene;
+    RenderParams params;
+    params.width = params.height = options.size;
+    params.quiet = true;
+    const RenderResult result = renderFrame(scene, params);
+    const auto reference = [&](int spp) {
+        return renderReference(scene, {.width = options.size,
+                                       .height = options.size,
+                                       .camera = scene.cameras.front(),
+                                       .spp = spp,
+                                       .quiet = true});
+    };
+    ReferenceResult truth = reference(options.spp);
+    Flags flags = flagErrors(result.frame, truth.frame, {});
+    if (flags.pixels + flags.tiles > 0) {
+        // The reference's noise has a long tail: ask again before blaming the cache.
+        truth = reference(kSecondOpinion * options.spp);
+        flags = flagErrors(result.frame, truth.frame, {});
+    }
+    const int others = result.stats.nonfinite_pixels + result.stats.pixels_uncovered +
+                       static_cast<int>(truth.nonfinite_samples) + flags.nonfinite;
+    const bool flagged = flags.pixels + flags.tiles + flags.direct + others > 0;
+    fmt::print(
+        "{:4d} {} rel_rmse {:6.2f}% bias {:+6.2f}% noise {:.2f} | pixels {:4d} in patches {:3d} "
+        "worst {:5.2f} at "
+        "{:2d},{:2d} | tiles {:2d} worst {:5.2f} at {:2d},{:2d} | direct {:4d} worst {:5.2f} at "
+        "{:2d},{:2d} | not finite or uncovered {} other triangle {} of {} | records {} gloss "
+        "{:.2f} smoothest {:.2f} | {}\n",
+        seed, flagged ? "FLAG" : "ok  ", 100 * flags.rel_rmse, 100 * flags.bias, flags.noise_share,
+        flags.pixels, flags.patches, flags.pixel.excess, flags.pixel.at.x, flags.pixel.at.y,
+        flags.tiles, flags.tile.excess, flags.tile.at.x, flags.tile.at.y, flags.direct,
+        flags.direct_pixel.excess, flags.direct_pixel.at.x, flags.direct_pixel.at.y, others,
+        flags.other_triangle, flags.geometry, result.stats.records, result.stats.too_glossy_share,
+        smoothest(scene), made.what);
+    std::fflush(stdout);
+    if (!options.keep.empty() && (flagged || options.keep_all) && flags.nonfinite == 0) {
+        keepImages(fmt::format("{}/{:04d}.png", options.keep, seed), result.frame, truth.frame,
+                   flags);
+    }
+    return flagged;
+}
+
+int run(const Options& options) {
+    if (!options.keep.empty()) {
+        std::filesystem::create_directories(options.keep);
+    }
+    int flagged = 0, failed = 0;
+    for (uint32_t seed = options.first; seed <= options.last; ++seed) {
+        try {
+            flagged += stress(seed, options) ? 1 : 0;
+        } catch (const std::exception& error) {
+            ++failed;
+            fmt::print("{:4d} FAIL {}\n", seed, error.what());
+        }
+    }
+    fmt::print("{} seeds, {} flagged, {} failed\n", options.last - options.first + 1, flagged,
+               failed);
+    return flagged + failed > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(parse(argc, argv));
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "stress: {}\n", error.what());
+        return 2;
+    }
+}

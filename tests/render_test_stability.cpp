@@ -1,0 +1,161 @@
+// Where methods of this kind fail (docs/stability.md), each as a small scene with a sane answer.
+#include <gtest/gtest.h>
+
+#include "stress_flags.h"
+#include "test_reference.h"
+#include "test_render.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kSize = 40;
+
+void expectFiniteAndCovered(const RenderResult& result) {
+    EXPECT_EQ(result.stats.nonfinite_pixels, 0);
+    EXPECT_EQ(result.stats.pixels_uncovered, 0);
+}
+
+// No tile is off by a quarter, and no patch of pixels by a half: the bounds of stress_flags.h.
+// Single pixels may be, at 40 x 40: a crease passes through them.
+void expectNothingFlagged(const Scene& scene, int most_pixels) {
+    const RenderResult result = renderFrame(scene, smallRender(kSize, kSize));
+    expectFiniteAndCovered(result);
+    const Frame truth = renderReference(scene, smallParams(scene, kSize, 256)).frame;
+    const Flags flags = flagErrors(result.frame, truth, {});
+    EXPECT_EQ(flags.tiles, 0) << flags.tile.at.x << ", " << flags.tile.at.y << " by "
+                              << flags.tile.excess;
+    EXPECT_LE(flags.patches, most_pixels) << flags.pixel.at.x << ", " << flags.pixel.at.y;
+    EXPECT_LE(flags.pixels, most_pixels) << flags.pixel.at.x << ", " << flags.pixel.at.y;
+    EXPECT_LE(flags.direct, most_pixels)
+        << flags.direct_pixel.at.x << ", " << flags.direct_pixel.at.y;
+}
+
+// A room cut in two at x = 0 by a wall; light on the left, the camera on the right.
+Scene cutRoom(float thickness) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.8f)));
+    addBox(scene, vec3(-1), vec3(1), white, true);
+    if (thickness > 0.0f) {
+        addBox(scene, vec3(0, -1, -1), vec3(thickness, 1, 1), white, false);
+    } else {
+        addQuad(scene, vec3(0, -1, -1), vec3(0, 2, 0), vec3(0, 0, 2), white);
+    }
+    scene.lights.push_back(pointLight(vec3(-0.4f, 0.1f, 0.2f), vec3(1)));
+    scene.cameras.push_back(lookAt(vec3(0.9f, 0.5f, 0.9f), vec3(0, -0.6f, -0.4f)));
+    return scene;
+}
+
+TEST(Stability, NothingPassesAThinWall) {
+    // The lit side is as bright as 1. By rays nothing passes. By raster a texel of light stored on
+    // the floor at the wall's foot may lie on both sides, docs/raster.md.
+    constexpr float kLeak = 1e-3f, kRasterLeak = 0.05f;
+    for (float thickness : {0.0f, 1e-4f}) {
+        for (GatherRoad road : kRoads) {
+            SCOPED_TRACE(testing::Message() << nameOf(road) << " thickness " << thickness);
+            const RenderResult result =
+                renderFrame(cutRoom(thickness), smallRender(kSize, kSize, Method::kRadiance, road));
+            expectFiniteAndCovered(result);
+            const float limit = road == GatherRoad::kRays ? kLeak : kRasterLeak;
+            for (const vec3& v : result.frame.indirect.pixels) {
+                ASSERT_LE(v.x, limit);
+            }
+        }
+    }
+}
+
+TEST(Stability, ShadeBehindAThinWallStaysDark) {
+    // The camera sees the floor on both sides of a black sheet that stands on it.
+    for (float thickness : {0.0f, 1e-3f}) {
+        SCOPED_TRACE(thickness);
+        Scene scene;
+        const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.8f)));
+        const uint32_t black = addMaterial(scene, diffuseParams(vec3(0.0f)));
+        addQuad(scene, vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4), white);
+        addQuad(scene, vec3(-1.5f, 0, -2), vec3(0, 0, 4), vec3(0, 2, 0), white);
+        if (thickness > 0.0f) {
+            addBox(scene, vec3(0, 0, -2), vec3(thickness, 0.7f, 2), black, false);
+        } else {
+            addQuad(scene, vec3(0, 0, -2), vec3(0, 0.7f, 0), vec3(0, 0, 4), black);
+        }
+        scene.lights.push_back(pointLight(vec3(-0.7f, 0.5f, 0), vec3(1)));
+        scene.cameras.push_back(lookAt(vec3(0.3f, 3, 0.5f), vec3(0, 0, 0)));
+        expectNothingFlagged(scene, 10);
+    }
+}
+
+TEST(Stability, StepsAndGapsKeepTheirLight) {
+    // A slab that floats low over the floor, and low steps beside it: dark below, lit above, nearer
+    // to each other than records reach.
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.7f)));
+    const uint32_t red = addMaterial(scene, diffuseParams(vec3(0.7f, 0.1f, 0.1f)));
+    addBox(scene, vec3(-1.5f, 0, -1.5f), vec3(1.5f, 2, 1.5f), white, true);
+    addBox(scene, vec3(-0.8f, 0.1f, -0.6f), vec3(0.2f, 0.13f, 0.4f), red, false);
+    for (int k = 0; k < 3; ++k) {
+        const auto step = static_cast<float>(k);
+        addBox(scene, vec3(0.4f + 0.15f * step, 0, -0.5f),
+               vec3(0.55f + 0.15f * step, 0.04f * (step + 1.0f), 0.5f), white, false);
+    }
+    scene.lights.push_back(pointLight(vec3(0.1f, 1.6f, 0.2f), vec3(2)));
+    scene.cameras.push_back(lookAt(vec3(0.2f, 0.7f, 1.4f), vec3(0, 0.1f, 0)));
+    expectNothingFlagged(scene, 12);
+}
+
+TEST(Stability, GrazingViewOfAGlossyFloor) {
+    // Footprints hundreds of times as long as wide; cosines with the viewer near zero.
+    for (float roughness : {0.3f, 0.7f}) {
+        SCOPED_TRACE(roughness);
+        Scene scene = cornellRoom(glossyParams(vec3(0.5f), 0.0f, roughness),
+                                  diffuseParams(vec3(0.4f, 0.5f, 0.7f)));
+        scene.cameras = {lookAt(vec3(0.5f, -0.995f, 0.95f), vec3(-0.1f, -0.999f, -0.5f))};
+        expectNothingFlagged(scene, 12);
+    }
+}
+
+TEST(Stability, CornersSeenFromClose) {
+    // A furnace's corner: radii near zero, eyes nearly on three walls. What a near plane cuts away,
+    // or rays begin beyond, is missing. By rays from a thousandth of the room's size; by raster
+    // from a hundredth, whose near plane, 2e-5 of the size away (docs/conventions.md), else cuts
+    // walls beside the pixels next to the edges: 11% are lost there.
+    constexpr float kAlbedo = 0.6f, kError = 0.01f;
+    for (const auto& [road, distance] :
+         {std::pair(GatherRoad::kRays, 3e-3f), std::pair(GatherRoad::kRaster, 4e-2f)}) {
+        SCOPED_TRACE(nameOf(road));
+        Scene scene = furnace(diffuseParams(vec3(kAlbedo)), vec3(1));
+        const vec3 corner(1, -1, -1);
+        scene.cameras = {lookAt(corner + distance * vec3(-1, 1.2f, 0.8f), corner)};
+        const RenderResult result =
+            renderFrame(scene, smallRender(24, 24, Method::kRadiance, road));
+        expectFiniteAndCovered(result);
+        EXPECT_EQ(result.stats.pixels_geometry, 24 * 24);
+        for (const vec3& v : result.frame.indirect.pixels) {
+            ASSERT_NEAR(v.x, kAlbedo, kError * kAlbedo);
+        }
+    }
+}
+
+TEST(Stability, BrighterLightsChangeNothingElse) {
+    // By powers of two: every sum is scaled exactly, unless an absolute constant interferes. The
+    // raster road keeps light on surfaces as halves, which end at 65504: it has to stay finite.
+    const Scene scene = glossyRoom(0.4f, 0.1f);
+    const Frame one = renderFrame(scene, smallRender(32, 32)).frame;
+    for (float s : {0x1p-20f, 0x1p20f}) {
+        SCOPED_TRACE(s);
+        Scene other = scene;
+        other.lights[0].intensity *= s;
+        const RenderResult result = renderFrame(other, smallRender(32, 32));
+        expectFiniteAndCovered(result);
+        for (size_t i = 0; i < one.indirect.pixels.size(); ++i) {
+            const vec3& v = one.indirect.pixels[i];
+            for (int c = 0; c < 3; ++c) {
+                ASSERT_NEAR(result.frame.indirect.pixels[i][c] / s, v[c], 1e-3f * v[c] + 1e-6f)
+                    << "pixel " << i;
+            }
+        }
+        expectFiniteAndCovered(
+            renderFrame(other, smallRender(16, 16, Method::kRadiance, GatherRoad::kRaster)));
+    }
+}
+
+}  // namespace
+}  // namespace sheen

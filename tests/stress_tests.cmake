@@ -1,0 +1,1 @@
+sheen_test(stress SOURCES stress_test.cpp USES sheen_stress sheen_render)
