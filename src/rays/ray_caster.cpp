@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "core/error.h"
 #include "scene/brdf_albedo.h"
@@ -24,34 +25,47 @@ struct alignas(32) Mask {
 
 // Where a ray met the scene.
 struct Met {
+    uint32_t triangle;
+    vec3 barycentric;
     vec3 position;
-    vec3 n_g, n, wo;  // both normals on the side of wo, from where the ray came
-    Brdf brdf;
-    vec3 emission;
+    vec3 n_g, wo;  // n_g on the side of wo, from where the ray came
 };
 
-Met surfaceAt(const Scene& scene, uint32_t triangle, float u, float v, const vec3& wo) {
+Met metAt(const Scene& scene, uint32_t triangle, float u, float v, const vec3& wo) {
     const uvec3& t = scene.triangles[triangle];
     const vec3& p0 = scene.positions[t.x];
     const vec3& p1 = scene.positions[t.y];
     const vec3& p2 = scene.positions[t.z];
     const float w = 1.0f - u - v;
-    Met met;
-    met.position = w * p0 + u * p1 + v * p2;
-    met.wo = wo;
-    met.n_g = shared::faceViewer(glm::normalize(glm::cross(p1 - p0, p2 - p0)), wo);
-    const vec3 n = w * scene.normals[t.x] + u * scene.normals[t.y] + v * scene.normals[t.z];
+    return {.triangle = triangle,
+            .barycentric = vec3(w, u, v),
+            .position = w * p0 + u * p1 + v * p2,
+            .n_g = shared::faceViewer(glm::normalize(glm::cross(p1 - p0, p2 - p0)), wo),
+            .wo = wo};
+}
+
+// What is there; most of what rays meet lies in the dark and is never asked.
+struct Surface {
+    vec3 n;  // on the side of wo
+    Brdf brdf;
+};
+
+Surface surfaceAt(const Scene& scene, const Met& met) {
+    const uvec3& t = scene.triangles[met.triangle];
+    const vec3& b = met.barycentric;
+    const vec3 n = b.x * scene.normals[t.x] + b.y * scene.normals[t.y] + b.z * scene.normals[t.z];
     const float length = glm::length(n);
-    met.n = shared::shadingNormal(length > 1e-6f ? n / length : met.n_g, met.n_g, wo);
-    const vec2 uv = w * scene.uvs[t.x] + u * scene.uvs[t.y] + v * scene.uvs[t.z];
+    Surface surface;
+    surface.n = shared::shadingNormal(length > 1e-6f ? n / length : met.n_g, met.n_g, met.wo);
+    const vec2 uv = b.x * scene.uvs[t.x] + b.y * scene.uvs[t.y] + b.z * scene.uvs[t.z];
     const MaterialParams material =
-        materialAt(scene, scene.materials[scene.materials_of[triangle]], uv);
+        materialAt(scene, scene.materials[scene.materials_of[met.triangle]], uv);
     // A Lambertian surface needs no albedo of a lobe it does not have.
     const bool lambertian = material.metallic == 0.0f && material.specular == 0.0f;
-    met.brdf = shared::makeBrdf(
-        material, lambertian ? vec2(0.0f) : brdfAlbedo(glm::dot(met.n, wo), material.roughness));
-    met.emission = material.emission;
-    return met;
+    surface.brdf = shared::makeBrdf(
+        material,
+        lambertian ? vec2(0.0f) : brdfAlbedo(glm::dot(surface.n, met.wo), material.roughness));
+    return surface;
 }
 
 void setRay(RTCRay8& rays, int lane, const vec3& origin, const vec3& direction, float tfar) {
@@ -146,33 +160,28 @@ void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions,
             seen[k] = vec4(0.0f);
             continue;
         }
-        met[k] = surfaceAt(scene_, rays.hit.primID[k], rays.hit.u[k], rays.hit.v[k],
-                           -directions[static_cast<size_t>(k)]);
-        seen[k] = vec4(met[k].emission, rays.ray.tfar[k]);
+        met[k] = metAt(scene_, rays.hit.primID[k], rays.hit.u[k], rays.hit.v[k],
+                       -directions[static_cast<size_t>(k)]);
+        const Material& material = scene_.materials[scene_.materials_of[met[k].triangle]];
+        seen[k] = vec4(material.params.emission, rays.ray.tfar[k]);
     }
 
     // Light it, with a shadow ray wherever a light would arrive.
+    std::optional<Surface> surfaces[kPacket];
     for (const PunctualLight& light : scene_.lights) {
         Mask lit;
         alignas(32) RTCRay8 shadow{};
-        vec3 wi[kPacket];
-        vec3 irradiance[kPacket];  // on the surface, unshadowed
-        float alpha[kPacket];
+        LightSample arriving[kPacket];  // unshadowed
         for (int k = 0; k < count; ++k) {
             if (cast.lanes[k] == 0) {
                 continue;
             }
             const Met& m = met[k];
-            const LightSample l = shared::sampleLight(light, m.position);
-            const float NoL = glm::dot(m.n, l.wi);
-            if (NoL <= 0.0f || glm::dot(m.n_g, l.wi) <= 0.0f) {
+            arriving[k] = shared::sampleLight(light, m.position);
+            const LightSample& l = arriving[k];
+            if (glm::dot(m.n_g, l.wi) <= 0.0f || l.irradiance == vec3(0.0f)) {
                 continue;
             }
-            wi[k] = l.wi;
-            irradiance[k] = l.irradiance * NoL;
-            alpha[k] = shared::filteredAlpha(m.brdf.alpha,
-                                             solid_angles != nullptr ? solid_angles[k] : 0.0f,
-                                             rays.ray.tfar[k], l.distance);
             lit.lanes[k] = -1;
             const vec3 start = this->origin(m.position, m.n_g, m.wo);
             if (l.distance < 0.0f) {
@@ -186,12 +195,24 @@ void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions,
         rtcOccluded8(lit.lanes, embree_.get(), &context, &shadow);
         for (int k = 0; k < count; ++k) {
             // Embree sets tfar to -infinity where something is in the way.
-            if (lit.lanes[k] != 0 && shadow.tfar[k] >= 0.0f) {
-                const Met& m = met[k];
-                Brdf brdf = m.brdf;
-                brdf.alpha = alpha[k];
-                seen[k] += vec4(shared::evalBrdf(brdf, m.n, m.wo, wi[k]) * irradiance[k], 0.0f);
+            if (lit.lanes[k] == 0 || shadow.tfar[k] < 0.0f) {
+                continue;
             }
+            const Met& m = met[k];
+            if (!surfaces[k]) {
+                surfaces[k] = surfaceAt(scene_, m);
+            }
+            const LightSample& l = arriving[k];
+            const float NoL = glm::dot(surfaces[k]->n, l.wi);
+            if (NoL <= 0.0f) {
+                continue;
+            }
+            Brdf brdf = surfaces[k]->brdf;
+            brdf.alpha =
+                shared::filteredAlpha(brdf.alpha, solid_angles != nullptr ? solid_angles[k] : 0.0f,
+                                      rays.ray.tfar[k], l.distance);
+            seen[k] +=
+                vec4(shared::evalBrdf(brdf, surfaces[k]->n, m.wo, l.wi) * l.irradiance * NoL, 0.0f);
         }
     }
 }
