@@ -79,7 +79,7 @@ class Placer {
     float hessianRadius(const GatheredRecord& g, float pixel_footprint) const;
     float predictedOutgoing(const GatheredRecord& g, int pixel) const;
     void heedNeighbours(size_t added);
-    void limitRadius(Placed& placed, float radius);
+    void limitRadius(size_t placed, float radius);
     void clampNeighbours(size_t added);
     void splat(const Record& record, bool add);
 
@@ -92,6 +92,7 @@ class Placer {
     const GatherFunction& gather_;
     Image<uint32_t> sums_;
     std::vector<Placed> placed_;
+    std::vector<vec4> spheres_;  // of each placed record position and radius, for scans over all
     Placement result_;
 };
 
@@ -109,13 +110,12 @@ float Placer::predictedRadius(int pixel) const {
     const vec3 p = position(pixel);
     float nearest = kInfinity;
     float radius = kInfinity;
-    for (const Placed& placed : placed_) {
-        const Record& r = placed.gathered.record;
-        const vec3 d = r.position - p;
+    for (const vec4& sphere : spheres_) {
+        const vec3 d = vec3(sphere) - p;
         const float distance2 = glm::dot(d, d);
         if (distance2 < nearest) {
             nearest = distance2;
-            radius = r.radius;
+            radius = sphere.w;
         }
     }
     return std::clamp(radius, leastRadius(footprint(pixel)), greatestRadius(footprint(pixel)));
@@ -164,9 +164,11 @@ void Placer::place(const std::vector<int>& pixels) {
         placed_.push_back({std::move(gathered[i]), pixels[i], footprint(pixels[i])});
         Record& record = placed_.back().gathered.record;
         record.radius = clampedRadius(placed_.back());
+        spheres_.emplace_back(record.position, record.radius);
         placed_.back().outgoing = predictedOutgoing(placed_.back().gathered, pixels[i]);
         heedNeighbours(placed_.size() - 1);
         clampNeighbours(placed_.size() - 1);
+        spheres_.back().w = record.radius;
         splat(record, true);
     }
 }
@@ -228,12 +230,13 @@ float Placer::predictedOutgoing(const GatheredRecord& g, int pixel) const {
 }
 
 // Shrinks a placed record's radius to `radius`, if that is smaller, and takes its weights along.
-void Placer::limitRadius(Placed& placed, float radius) {
-    Record& record = placed.gathered.record;
-    const float limit = std::max(radius, leastRadius(placed.footprint));
+void Placer::limitRadius(size_t placed, float radius) {
+    Record& record = placed_[placed].gathered.record;
+    const float limit = std::max(radius, leastRadius(placed_[placed].footprint));
     if (limit < record.radius) {
         splat(record, false);
         record.radius = limit;
+        spheres_[placed].w = limit;
         splat(record, true);
     }
 }
@@ -250,12 +253,15 @@ void Placer::heedNeighbours(size_t added) {
     Placed& fresh = placed_[added];
     Record& record = fresh.gathered.record;
     for (size_t j = 0; j < added; ++j) {
-        Placed& other = placed_[j];
-        const Record& neighbour = other.gathered.record;
-        const vec3 d = record.position - neighbour.position;
+        const vec3 d = record.position - vec3(spheres_[j]);
+        const float reach = params_.accuracy * (record.radius + spheres_[j].w);
+        if (glm::dot(d, d) > reach * reach) {
+            continue;
+        }
         const float distance = glm::length(d);
-        const float reach = params_.accuracy * (record.radius + neighbour.radius);
-        if (distance > reach || neighbour.order != record.order || distance == 0.0f ||
+        const Placed& other = placed_[j];
+        const Record& neighbour = other.gathered.record;
+        if (neighbour.order != record.order || distance == 0.0f ||
             glm::dot(record.normal, neighbour.normal) < kSameSurfaceCosine ||
             0.5f * std::abs(glm::dot(d, record.normal + neighbour.normal)) > weight_.slab * reach) {
             continue;
@@ -273,7 +279,7 @@ void Placer::heedNeighbours(size_t added) {
                 allowed(predictedOutgoing(other.gathered, fresh.pixel), fresh.outgoing);
             record.radius =
                 std::max(std::min(record.radius, of_fresh), leastRadius(fresh.footprint));
-            limitRadius(other, of_other);
+            limitRadius(j, of_other);
         }
     }
 }
@@ -281,20 +287,25 @@ void Placer::heedNeighbours(size_t added) {
 // A feature that one record sees cannot be far from its neighbours: R_i <= R_j + |p_i - p_j|, for
 // the new record against all and for all against the new one. [KBPZ06, 4.3]
 void Placer::clampNeighbours(size_t added) {
+    if (!params_.neighbour_clamping) {
+        return;
+    }
     Record& fresh = placed_[added].gathered.record;
-    if (params_.neighbour_clamping) {
-        for (size_t j = 0; j < added; ++j) {
-            const Record& other = placed_[j].gathered.record;
-            fresh.radius =
-                std::min(fresh.radius, other.radius + glm::length(fresh.position - other.position));
+    const auto distance = [&](const vec4& sphere) {
+        return glm::length(fresh.position - vec3(sphere));
+    };
+    for (size_t j = 0; j < added; ++j) {
+        if (spheres_[j].w < fresh.radius) {
+            fresh.radius = std::min(fresh.radius, spheres_[j].w + distance(spheres_[j]));
         }
-        fresh.radius = std::max(fresh.radius, leastRadius(placed_[added].footprint));
-        for (size_t j = 0; j < added; ++j) {
-            Record& other = placed_[j].gathered.record;
-            const float limit =
-                std::max(fresh.radius + glm::length(fresh.position - other.position),
-                         leastRadius(placed_[j].footprint));
-            limitRadius(placed_[j], limit);
+    }
+    fresh.radius = std::max(fresh.radius, leastRadius(placed_[added].footprint));
+    for (size_t j = 0; j < added; ++j) {
+        if (spheres_[j].w > fresh.radius) {
+            const float limit = fresh.radius + distance(spheres_[j]);
+            if (spheres_[j].w > limit) {
+                limitRadius(j, limit);
+            }
         }
     }
 }
