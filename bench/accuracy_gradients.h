@@ -66,8 +66,8 @@ using Gradient = std::array<Light, 2>;
 // program has it, or the gradient fitted in that many bands alone; the same of the true change.
 enum Source { kFirstBands, kOwnFit, kTrueFirstBands, kTrueOwnFit, kSources };
 constexpr const char* kSourceNames[] = {"first bands of order 10",
-                                        "fitted in these bands alone (the program's, 3)", "true, first bands",
-                                        "true, fitted in these bands"};
+                                        "fitted in these bands alone (the program's, 3)",
+                                        "true, first bands", "true, fitted in these bands"};
 
 // Everything measured at a site, in units of irradiance and harmonic mean distance.
 struct Judgement {
