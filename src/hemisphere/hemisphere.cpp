@@ -241,8 +241,9 @@ void edgeBend(const glm::dvec3& d0, const glm::dvec3& d1, double scale, vec3 (&b
         const glm::dvec3 u = 0.5 * (axes[i] + axes[j]);
         const glm::dvec3 v = 0.5 * (axes[i] - axes[j]);
         // The mixed derivative is the form at u less the form at v.
+        const bool mixed = i != j;
         const auto form = [&](double w0, double w1) {
-            return second(w0 * u, w1 * u) - (i != j ? second(w0 * v, w1 * v) : 0.0);
+            return second(w0 * u, w1 * u) - (mixed ? second(w0 * v, w1 * v) : 0.0);
         };
         const double first = form(1.0, 0.0);
         const double last = form(0.0, 1.0);
