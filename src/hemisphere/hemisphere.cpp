@@ -235,7 +235,6 @@ void edgeBend(const glm::dvec3& d0, const glm::dvec3& d1, double scale, vec3 (&b
     const auto second = [&](const glm::dvec3& u0, const glm::dvec3& u1) {
         return edgeTerm(d0 + u0, d1 + u1) + edgeTerm(d0 - u0, d1 - u1) - 2.0 * middle;
     };
-    const glm::dvec3 none(0.0);
     int k = 0;
     for (const auto& [i, j] : {std::pair(0, 0), std::pair(0, 1), std::pair(1, 1)}) {
         const glm::dvec3 u = 0.5 * (axes[i] + axes[j]);
