@@ -213,20 +213,8 @@ float Placer::hessianRadius(const GatheredRecord& g, float pixel_footprint) cons
     return reach / params_.accuracy;
 }
 
-// Luminance that a pixel sends to the camera by what a record predicts there.
 float Placer::predictedOutgoing(const GatheredRecord& g, int pixel) const {
-    const auto i = static_cast<size_t>(pixel);
-    const vec3 p = position(pixel);
-    const vec3 irradiance = shared::recordIrradiance(g.record, p, normal(pixel));
-    const int pixel_order = order(pixel);
-    if (pixel_order == shared::DIFFUSE_ORDER) {
-        return luminance(irradiance);  // the reflectance would cancel in every comparison
-    }
-    const float* lobe = &lobes_.coefficients[static_cast<size_t>(lobes_.first.pixels[i])];
-    const vec3 specular =
-        glm::max(convolveRecord(g.record, g.sh.data(), lobe, pixel_order, p), vec3(0.0f));
-    return luminance(vec3(gbuffer_.diffuse.pixels[i]) * irradiance / kPi +
-                     lobes_.scale.pixels[i] * specular);
+    return outgoingLuminance(gbuffer_, classes_, lobes_, g.record, g.sh.data(), pixel);
 }
 
 // Shrinks a placed record's radius to `radius`, if that is smaller, and takes its weights along.
@@ -384,6 +372,7 @@ Placement Placer::run(bool quiet) {
         r.sh_first = static_cast<int>(result_.cache.sh.size());
         result_.cache.sh.insert(result_.cache.sh.end(), p.gathered.sh.begin(), p.gathered.sh.end());
         result_.cache.records.push_back(r);
+        result_.pixels.push_back(p.pixel);
     }
     return std::move(result_);
 }
@@ -395,6 +384,21 @@ Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelCl
                        const GatherFunction& gather, bool quiet) {
     SHEEN_CHECK(params.min_pixels >= 1.0f);
     return Placer(scene, gbuffer, classes, lobes, params, gather).run(quiet);
+}
+
+float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
+                        const PixelLobes& lobes, const Record& record, const float* sh, int pixel) {
+    const auto i = static_cast<size_t>(pixel);
+    const vec3 p(gbuffer.position.pixels[i]);
+    const vec3 irradiance = shared::recordIrradiance(record, p, vec3(gbuffer.normal.pixels[i]));
+    const int order = classes.orders.pixels[i];
+    if (order == shared::DIFFUSE_ORDER) {
+        return luminance(irradiance);
+    }
+    const float* lobe = &lobes.coefficients[static_cast<size_t>(lobes.first.pixels[i])];
+    const vec3 specular = glm::max(convolveRecord(record, sh, lobe, order, p), vec3(0.0f));
+    return luminance(vec3(gbuffer.diffuse.pixels[i]) * irradiance / kPi +
+                     lobes.scale.pixels[i] * specular);
 }
 
 PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius) {

@@ -52,6 +52,7 @@ using GatherFunction = std::function<std::vector<GatheredRecord>(std::span<const
 
 struct Placement {
     RecordCache cache;
+    std::vector<int> pixels;  ///< that the records lie at
     int uncovered = 0;  ///< pixels with geometry that no record serves; always 0 by construction
 };
 
@@ -63,6 +64,12 @@ struct Placement {
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
                        const PixelLobes& lobes, const PlacementParams& params,
                        const GatherFunction& gather, bool quiet);
+
+/// Luminance that a pixel sends to the camera by what a record predicts there, by its lobe and
+/// reflectance; of the diffuse class the irradiance, since the reflectance cancels in comparisons.
+/// `sh`: the record's coefficients.
+float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
+                        const PixelLobes& lobes, const Record& record, const float* sh, int pixel);
 
 /// Rectangle of pixels [x0, x1) x [y0, y1) that bounds a sphere in the image, conservatively; the
 /// whole image when the sphere comes near the camera; empty when it lies behind.

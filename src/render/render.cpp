@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "cache/classes.h"
+#include "cache/estimate.h"
 #include "cache/placement.h"
 #include "cache/raster_gather.h"
 #include "cache/ray_gather.h"
@@ -125,6 +126,9 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     Timer compose_timer;
     const ComposeCounts counts =
         compose(gbuffer, classes, lobes, splat, traced, irradiance_only, result.frame);
+    result.stats.estimated_rel_rmse =
+        estimateRelRmse(gbuffer, classes, lobes, placement, params.placement.servingWeight(),
+                        irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
     if (params.all_layers) {
         result.frame.records =
             countRecords(gbuffer, classes, placement.cache, params.placement.servingWeight());

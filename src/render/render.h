@@ -55,7 +55,9 @@ struct RenderStats {
     int pixels_geometry = 0;   ///< pixels that see geometry
     int pixels_uncovered = 0;  ///< of these, without any record
     int nonfinite_pixels = 0;
-    int negative_pixels = 0;      ///< clamped at compose
+    int negative_pixels = 0;  ///< clamped at compose
+    /// Of the indirect layer, as the records tell (estimateRelRmse()).
+    double estimated_rel_rmse = 0;
     double diffuse_share = 0;     ///< of pixels_geometry, classified as diffuse
     double too_glossy_share = 0;  ///< of pixels_geometry, smoother than the highest order resolves
     std::vector<MaterialOrder> sh_order;

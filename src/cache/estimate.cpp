@@ -1,0 +1,106 @@
+#include "cache/estimate.h"
+
+#include <cmath>
+
+namespace sheen {
+namespace {
+
+// A record's neighbours alone know less of the light at its place than the image does, where the
+// record serves too. Measured on cornell_diffuse and venus_glossy (docs/decisions.md).
+constexpr double kCalibration = 0.82;
+
+// Calls visit(pixel, weight) for every pixel that a record serves.
+template <typename Visit>
+void forServed(const GBuffer& gbuffer, const PixelClasses& classes, const Record& k,
+               const WeightParams& weight, const Visit& visit) {
+    const PixelRect rect = sphereBounds(gbuffer.view, gbuffer.width, gbuffer.height, k.position,
+                                        weight.accuracy * k.radius);
+    for (int y = rect.y0; y < rect.y1; ++y) {
+        for (int x = rect.x0; x < rect.x1; ++x) {
+            const int i = y * gbuffer.width + x;
+            const auto pixel = static_cast<size_t>(i);
+            if (!serves(k.order, classes.orders.pixels[pixel])) {
+                continue;
+            }
+            const vec4& p = gbuffer.position.pixels[pixel];
+            const float w =
+                shared::recordWeight(weight, k.position, k.normal, k.radius, vec3(p),
+                                     vec3(gbuffer.normal.pixels[pixel]), p.w * gbuffer.pixel_angle);
+            if (w > 0.0f) {
+                visit(pixel, w);
+            }
+        }
+    }
+}
+
+}  // namespace
+
+double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
+                       const Placement& placement, const WeightParams& weight,
+                       const Image<vec3>& indirect) {
+    const std::vector<Record>& records = placement.cache.records;
+    constexpr int kNone = -1;
+    Image<int> hosted(gbuffer.width, gbuffer.height, kNone);
+    for (size_t k = 0; k < records.size(); ++k) {
+        hosted.pixels[static_cast<size_t>(placement.pixels[k])] = static_cast<int>(k);
+    }
+    const auto outgoing = [&](size_t k, size_t pixel) {
+        return outgoingLuminance(gbuffer, classes, lobes, records[k],
+                                 placement.cache.sh.data() + records[k].sh_first,
+                                 static_cast<int>(pixel));
+    };
+    // Each record as the others predict it.
+    std::vector<double> weights(records.size());
+    std::vector<double> predicted(records.size());
+    for (size_t k = 0; k < records.size(); ++k) {
+        forServed(gbuffer, classes, records[k], weight, [&](size_t pixel, float w) {
+            const int host = hosted.pixels[pixel];
+            if (host != kNone && host != static_cast<int>(k)) {
+                weights[static_cast<size_t>(host)] += w;
+                predicted[static_cast<size_t>(host)] += w * outgoing(k, pixel);
+            }
+        });
+    }
+    std::vector<double> error2(records.size());
+    double known_sum = 0.0;
+    size_t known = 0;
+    for (size_t k = 0; k < records.size(); ++k) {
+        const double own = outgoing(k, static_cast<size_t>(placement.pixels[k]));
+        if (weights[k] <= 0.0) {
+            error2[k] = -1.0;
+            continue;
+        }
+        const double other = predicted[k] / weights[k];
+        const double scale = std::max(std::abs(own), std::abs(other));
+        error2[k] = scale > 0.0 ? (own - other) * (own - other) / (scale * scale) : 0.0;
+        known_sum += error2[k];
+        ++known;
+    }
+    // Records that no other reaches err as the others do on average.
+    for (double& e : error2) {
+        if (e < 0.0) {
+            e = known > 0 ? known_sum / static_cast<double>(known) : 0.0;
+        }
+    }
+    Image<double> sums(gbuffer.width, gbuffer.height);
+    Image<double> variances(gbuffer.width, gbuffer.height);
+    for (size_t k = 0; k < records.size(); ++k) {
+        forServed(gbuffer, classes, records[k], weight, [&](size_t pixel, float w) {
+            sums.pixels[pixel] += w;
+            variances.pixels[pixel] += static_cast<double>(w) * w * error2[k];
+        });
+    }
+    double squares = 0.0;
+    double mean = 0.0;
+    for (size_t i = 0; i < indirect.pixels.size(); ++i) {
+        const double light = luminance(indirect.pixels[i]);
+        mean += light;
+        if (sums.pixels[i] > 0.0) {
+            squares += variances.pixels[i] / (sums.pixels[i] * sums.pixels[i]) * light * light;
+        }
+    }
+    const auto count = static_cast<double>(indirect.pixels.size());
+    return mean > 0.0 ? kCalibration * std::sqrt(squares * count) / mean : 0.0;
+}
+
+}  // namespace sheen

@@ -1,0 +1,98 @@
+// estimateRelRmse() against the error itself, on light that is known.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "cache/estimate.h"
+#include "splat/splat.h"
+#include "test_placement.h"
+
+namespace sheen {
+namespace {
+
+// What docs/cache.md promises of the estimate.
+constexpr double kFactor = 1.5;
+
+struct Judged {
+    double estimated = 0;
+    double actual = 0;
+};
+
+// An image of the irradiance `light` as records tell it that gather `gathered`.
+Judged judge(const PlacementParams& params, const std::function<float(const vec3&)>& light,
+             const std::function<float(const vec3&)>& gathered) {
+    const Stage stage = makeStage(0, 0);
+    const PixelLobes lobes = buildLobes(stage.gbuffer, stage.classes);
+    const Placement placement =
+        place(stage, params, [&](const RecordSite& site, GatheredRecord& g) {
+            g.record.irradiance = vec3(gathered(site.position));
+        });
+    const SplatBuffer splat =
+        splatCpu(stage.gbuffer, stage.classes, lobes, placement.cache, params.servingWeight());
+    Image<vec3> image(kWidth, kHeight);
+    double squares = 0.0;
+    double sum = 0.0;
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+        const auto pixel = static_cast<size_t>(i);
+        if (!stage.gbuffer.seen(i)) {
+            continue;
+        }
+        const vec4 v = splat.irradiance.pixels[pixel];
+        image.pixels[pixel] = vec3(v) / v.w;
+        const double truth = light(vec3(stage.gbuffer.position.pixels[pixel]));
+        squares += std::pow(image.pixels[pixel].x - truth, 2);
+        sum += truth;
+    }
+    return {.estimated = estimateRelRmse(stage.gbuffer, stage.classes, lobes, placement,
+                                         params.servingWeight(), image),
+            .actual = std::sqrt(squares * kWidth * kHeight) / sum};
+}
+
+// Short reaches: many records.
+PlacementParams shortReach() {
+    PlacementParams params;
+    params.max_pixels = 4.0f;
+    params.disagreement = 0.0f;
+    return params;
+}
+
+TEST(Estimate, ConstantLightHasNoError) {
+    const auto light = [](const vec3&) { return 2.0f; };
+    EXPECT_LT(judge(shortReach(), light, light).estimated, 1e-6);
+}
+
+TEST(Estimate, TracksTheErrorOfNoisyRecords) {
+    const auto light = [](const vec3&) { return 1.0f; };
+    for (float amount : {0.02f, 0.1f, 0.3f}) {
+        Random random(7);
+        const Judged j = judge(shortReach(), light,
+                               [&](const vec3&) { return 1.0f + random.uniform(-amount, amount); });
+        EXPECT_GT(j.actual, 0.05 * amount);
+        EXPECT_LT(j.estimated, kFactor * j.actual) << amount;
+        EXPECT_GT(j.estimated, j.actual / kFactor) << amount;
+    }
+}
+
+TEST(Estimate, TracksTheErrorBetweenRecords) {
+    for (float frequency : {6.0f, 12.0f}) {
+        const auto light = [=](const vec3& p) { return 1.0f + 0.5f * std::sin(frequency * p.x); };
+        const Judged j = judge(shortReach(), light, light);
+        EXPECT_GT(j.actual, 0.01);
+        EXPECT_LT(j.estimated, kFactor * j.actual) << frequency;
+        EXPECT_GT(j.estimated, j.actual / kFactor) << frequency;
+    }
+}
+
+TEST(Estimate, NothingSeenIsNoError) {
+    Stage stage = makeStage(0, 0);
+    for (int& order : stage.classes.orders.pixels) {
+        order = kNoOrder;
+    }
+    EXPECT_EQ(estimateRelRmse(stage.gbuffer, stage.classes,
+                              buildLobes(stage.gbuffer, stage.classes), Placement{},
+                              PlacementParams{}.servingWeight(), Image<vec3>(kWidth, kHeight)),
+              0.0);
+}
+
+}  // namespace
+}  // namespace sheen
