@@ -205,13 +205,14 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"pixels_uncovered", stats.pixels_uncovered},
                  {"nonfinite_pixels", stats.nonfinite_pixels},
                  {"negative_pixels", stats.negative_pixels},
-                 {"estimated_rel_rmse", stats.estimated_rel_rmse},
                  {"diffuse_share", stats.diffuse_share},
                  {"too_glossy_share", stats.too_glossy_share},
                  {"sh_order", shOrders(stats.sh_order)},
                  {"gl_renderer", stats.gl_renderer}};
     if (o.params.method == Method::kReference) {
         json["mrays_per_second"] = stats.mrays_per_second;
+    } else {
+        json["estimated_rel_rmse"] = stats.estimated_rel_rmse;
     }
     return json;
 }
@@ -243,7 +244,7 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
     } else {
         fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
                    stats.pixels_uncovered, stats.pixels_geometry);
-        fmt::print("estimated rel_rmse {:.2f}% of the indirect light\n",
+        fmt::print("estimate  rel_rmse of the indirect light {:.1f}%\n",
                    100 * stats.estimated_rel_rmse);
         fmt::print("pixels    diffuse {:.1f}%, too glossy for the cache {:.1f}%\n",
                    100.0 * stats.diffuse_share, 100.0 * stats.too_glossy_share);
