@@ -205,14 +205,13 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"pixels_uncovered", stats.pixels_uncovered},
                  {"nonfinite_pixels", stats.nonfinite_pixels},
                  {"negative_pixels", stats.negative_pixels},
+                 {"estimated_rel_rmse", stats.estimated_rel_rmse},
                  {"diffuse_share", stats.diffuse_share},
                  {"too_glossy_share", stats.too_glossy_share},
                  {"sh_order", shOrders(stats.sh_order)},
                  {"gl_renderer", stats.gl_renderer}};
     if (o.params.method == Method::kReference) {
         json["mrays_per_second"] = stats.mrays_per_second;
-    } else {
-        json["estimated_rel_rmse"] = stats.estimated_rel_rmse;
     }
     return json;
 }

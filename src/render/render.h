@@ -56,7 +56,7 @@ struct RenderStats {
     int pixels_uncovered = 0;  ///< of these, without any record
     int nonfinite_pixels = 0;
     int negative_pixels = 0;  ///< clamped at compose
-    /// Of the indirect layer, as the records tell (estimateRelRmse()); cached methods only.
+    /// Of the indirect layer, as the records tell (estimateRelRmse()); 0 for the reference.
     double estimated_rel_rmse = 0;
     double diffuse_share = 0;     ///< of pixels_geometry, classified as diffuse
     double too_glossy_share = 0;  ///< of pixels_geometry, smoother than the highest order resolves
