@@ -9,17 +9,20 @@ namespace {
 // record serves too. Measured on cornell_diffuse and venus_glossy (docs/decisions.md).
 constexpr double kCalibration = 0.82;
 
-// Calls visit(pixel, weight) for every pixel that a record serves.
-template <typename Visit>
+// Whether a pixel counts in the image's sums: one of four, as many as are needed.
+bool counts(int x, int y) { return ((x | y) & 1) == 0; }
+
+// Calls visit(pixel, weight) for every pixel that a record serves, of those that wanted(x, y).
+template <typename Wanted, typename Visit>
 void forServed(const GBuffer& gbuffer, const PixelClasses& classes, const Record& k,
-               const WeightParams& weight, const Visit& visit) {
+               const WeightParams& weight, const Wanted& wanted, const Visit& visit) {
     const PixelRect rect = sphereBounds(gbuffer.view, gbuffer.width, gbuffer.height, k.position,
                                         weight.accuracy * k.radius);
     for (int y = rect.y0; y < rect.y1; ++y) {
         for (int x = rect.x0; x < rect.x1; ++x) {
             const int i = y * gbuffer.width + x;
             const auto pixel = static_cast<size_t>(i);
-            if (!serves(k.order, classes.orders.pixels[pixel])) {
+            if (!wanted(x, y) || !serves(k.order, classes.orders.pixels[pixel])) {
                 continue;
             }
             const vec4& p = gbuffer.position.pixels[pixel];
@@ -53,9 +56,10 @@ double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, cons
     std::vector<double> weights(records.size());
     std::vector<double> predicted(records.size());
     for (size_t k = 0; k < records.size(); ++k) {
-        forServed(gbuffer, classes, records[k], weight, [&](size_t pixel, float w) {
+        const auto hosts = [&](int x, int y) { return hosted.at(x, y) != kNone; };
+        forServed(gbuffer, classes, records[k], weight, hosts, [&](size_t pixel, float w) {
             const int host = hosted.pixels[pixel];
-            if (host != kNone && host != static_cast<int>(k)) {
+            if (host != static_cast<int>(k)) {
                 weights[static_cast<size_t>(host)] += w;
                 predicted[static_cast<size_t>(host)] += w * outgoing(k, pixel);
             }
@@ -85,21 +89,25 @@ double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, cons
     Image<double> sums(gbuffer.width, gbuffer.height);
     Image<double> variances(gbuffer.width, gbuffer.height);
     for (size_t k = 0; k < records.size(); ++k) {
-        forServed(gbuffer, classes, records[k], weight, [&](size_t pixel, float w) {
+        forServed(gbuffer, classes, records[k], weight, counts, [&](size_t pixel, float w) {
             sums.pixels[pixel] += w;
             variances.pixels[pixel] += static_cast<double>(w) * w * error2[k];
         });
     }
     double squares = 0.0;
     double mean = 0.0;
-    for (size_t i = 0; i < indirect.pixels.size(); ++i) {
-        const double light = luminance(indirect.pixels[i]);
-        mean += light;
-        if (sums.pixels[i] > 0.0) {
-            squares += variances.pixels[i] / (sums.pixels[i] * sums.pixels[i]) * light * light;
+    double count = 0.0;
+    for (int y = 0; y < indirect.height; y += 2) {
+        for (int x = 0; x < indirect.width; x += 2) {
+            const double light = luminance(indirect.at(x, y));
+            const double sum = sums.at(x, y);
+            mean += light;
+            count += 1.0;
+            if (sum > 0.0) {
+                squares += variances.at(x, y) / (sum * sum) * light * light;
+            }
         }
     }
-    const auto count = static_cast<double>(indirect.pixels.size());
     return mean > 0.0 ? kCalibration * std::sqrt(squares * count) / mean : 0.0;
 }
 
