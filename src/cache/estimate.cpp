@@ -1,5 +1,6 @@
 #include "cache/estimate.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sheen {
@@ -8,33 +9,6 @@ namespace {
 // A record's neighbours alone know less of the light at its place than the image does, where the
 // record serves too. Measured on cornell_diffuse and venus_glossy (docs/decisions.md).
 constexpr double kCalibration = 0.82;
-
-// Whether a pixel counts in the image's sums: one of four, as many as are needed.
-bool counts(int x, int y) { return ((x | y) & 1) == 0; }
-
-// Calls visit(pixel, weight) for every pixel that a record serves, of those that wanted(x, y).
-template <typename Wanted, typename Visit>
-void forServed(const GBuffer& gbuffer, const PixelClasses& classes, const Record& k,
-               const WeightParams& weight, const Wanted& wanted, const Visit& visit) {
-    const PixelRect rect = sphereBounds(gbuffer.view, gbuffer.width, gbuffer.height, k.position,
-                                        weight.accuracy * k.radius);
-    for (int y = rect.y0; y < rect.y1; ++y) {
-        for (int x = rect.x0; x < rect.x1; ++x) {
-            const int i = y * gbuffer.width + x;
-            const auto pixel = static_cast<size_t>(i);
-            if (!wanted(x, y) || !serves(k.order, classes.orders.pixels[pixel])) {
-                continue;
-            }
-            const vec4& p = gbuffer.position.pixels[pixel];
-            const float w =
-                shared::recordWeight(weight, k.position, k.normal, k.radius, vec3(p),
-                                     vec3(gbuffer.normal.pixels[pixel]), p.w * gbuffer.pixel_angle);
-            if (w > 0.0f) {
-                visit(pixel, w);
-            }
-        }
-    }
-}
 
 }  // namespace
 
@@ -56,7 +30,7 @@ double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, cons
     std::vector<double> weights(records.size());
     std::vector<double> predicted(records.size());
     for (size_t k = 0; k < records.size(); ++k) {
-        const auto hosts = [&](int x, int y) { return hosted.at(x, y) != kNone; };
+        const auto hosts = [&](size_t pixel) { return hosted.pixels[pixel] != kNone; };
         forServed(gbuffer, classes, records[k], weight, hosts, [&](size_t pixel, float w) {
             const int host = hosted.pixels[pixel];
             if (host != static_cast<int>(k)) {
@@ -86,6 +60,11 @@ double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, cons
             e = known > 0 ? known_sum / static_cast<double>(known) : 0.0;
         }
     }
+    // The image's sums are over one pixel of four: as many as are needed.
+    const auto counts = [&](size_t pixel) {
+        const auto width = static_cast<size_t>(gbuffer.width);
+        return ((pixel % width | pixel / width) & 1) == 0;
+    };
     Image<double> sums(gbuffer.width, gbuffer.height);
     Image<double> variances(gbuffer.width, gbuffer.height);
     for (size_t k = 0; k < records.size(); ++k) {

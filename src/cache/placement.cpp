@@ -299,23 +299,11 @@ void Placer::clampNeighbours(size_t added) {
 }
 
 void Placer::splat(const Record& record, bool add) {
-    const PixelRect rect = sphereBounds(gbuffer_.view, gbuffer_.width, gbuffer_.height,
-                                        record.position, weight_.accuracy * record.radius);
-    for (int y = rect.y0; y < rect.y1; ++y) {
-        for (int x = rect.x0; x < rect.x1; ++x) {
-            const int i = y * gbuffer_.width + x;
-            if (!serves(record.order, order(i))) {
-                continue;
-            }
-            const float v =
-                shared::recordWeight(weight_, record.position, record.normal, record.radius,
-                                     position(i), normal(i), footprint(i));
-            const auto fixed =
-                static_cast<uint32_t>(std::min(v, kWeightLimit) * kWeightScale + 0.5f);
-            uint32_t& sum = sums_.pixels[static_cast<size_t>(i)];
-            sum = add ? sum + fixed : sum - fixed;
-        }
-    }
+    forServed(gbuffer_, classes_, record, weight_, [&](size_t pixel, float v) {
+        const auto fixed = static_cast<uint32_t>(std::min(v, kWeightLimit) * kWeightScale + 0.5f);
+        uint32_t& sum = sums_.pixels[pixel];
+        sum = add ? sum + fixed : sum - fixed;
+    });
 }
 
 Placement Placer::run(bool quiet) {

@@ -83,4 +83,36 @@ inline bool serves(int record_order, int pixel_order) {
     return pixel_order != kNoOrder && record_order >= pixel_order;
 }
 
+/// Calls visit(pixel, weight) for the pixels that a record serves, row by row, of those that
+/// wanted(pixel).
+template <typename Wanted, typename Visit>
+void forServed(const GBuffer& gbuffer, const PixelClasses& classes, const Record& k,
+               const WeightParams& weight, const Wanted& wanted, const Visit& visit) {
+    const PixelRect rect = sphereBounds(gbuffer.view, gbuffer.width, gbuffer.height, k.position,
+                                        weight.accuracy * k.radius);
+    for (int y = rect.y0; y < rect.y1; ++y) {
+        for (int x = rect.x0; x < rect.x1; ++x) {
+            const auto pixel = static_cast<size_t>(y * gbuffer.width + x);
+            if (!serves(k.order, classes.orders.pixels[pixel]) || !wanted(pixel)) {
+                continue;
+            }
+            const vec4& p = gbuffer.position.pixels[pixel];
+            const float w =
+                shared::recordWeight(weight, k.position, k.normal, k.radius, vec3(p),
+                                     vec3(gbuffer.normal.pixels[pixel]), p.w * gbuffer.pixel_angle);
+            if (w > 0.0f) {
+                visit(pixel, w);
+            }
+        }
+    }
+}
+
+/// The same for all pixels that it serves.
+template <typename Visit>
+void forServed(const GBuffer& gbuffer, const PixelClasses& classes, const Record& k,
+               const WeightParams& weight, const Visit& visit) {
+    forServed(
+        gbuffer, classes, k, weight, [](size_t) { return true; }, visit);
+}
+
 }  // namespace sheen

@@ -39,19 +39,8 @@ Image<float> countRecords(const GBuffer& gbuffer, const PixelClasses& classes,
                           const RecordCache& cache, const WeightParams& weight) {
     Image<float> counts(gbuffer.width, gbuffer.height);
     for (const Record& k : cache.records) {
-        const PixelRect rect = sphereBounds(gbuffer.view, gbuffer.width, gbuffer.height, k.position,
-                                            weight.accuracy * k.radius);
-        for (int y = rect.y0; y < rect.y1; ++y) {
-            for (int x = rect.x0; x < rect.x1; ++x) {
-                const vec4 p = gbuffer.position.at(x, y);
-                if (serves(k.order, classes.orders.at(x, y)) &&
-                    shared::recordWeight(weight, k.position, k.normal, k.radius, vec3(p),
-                                         vec3(gbuffer.normal.at(x, y)),
-                                         p.w * gbuffer.pixel_angle) > 0.0f) {
-                    counts.at(x, y) += 1.0f;
-                }
-            }
-        }
+        forServed(gbuffer, classes, k, weight,
+                  [&](size_t pixel, float) { counts.pixels[pixel] += 1.0f; });
     }
     return counts;
 }
