@@ -122,13 +122,14 @@ struct Tools {
         std::transform(texels.begin(), texels.end(), greys.begin(),
                        [](const vec4& t) { return grey(t); });
         Light l;
-        l.irradiance = dot(fine.cosines.data(), greys.data(), greys.size());
+        l.irradiance = dotProduct(fine.cosines.data(), greys.data(), greys.size());
         for (size_t k = 0; k < kCount; ++k) {
-            l.c[k] = dot(&fine_matrix[k * greys.size()], greys.data(), greys.size());
+            l.c[k] = dotProduct(&fine_matrix[k * greys.size()], greys.data(), greys.size());
         }
         for (size_t n = 1; n <= kBands; ++n) {
             for (size_t k = 0; k < n * n; ++k) {
-                l.own[n][k] = dot(&own_matrices[n][k * greys.size()], greys.data(), greys.size());
+                l.own[n][k] =
+                    dotProduct(&own_matrices[n][k * greys.size()], greys.data(), greys.size());
             }
         }
         return l;
@@ -266,15 +267,15 @@ class SiteJudge {
         Judgement::Moved moved{};
         for (int lobe = 0; lobe < kLobes; ++lobe) {
             const float* b = tools_.lobes[static_cast<size_t>(lobe)].data();
-            const float still = scale * dot(b, here.c.data(), kCount);
-            moved.truth[lobe] = scale * dot(b, there.c.data(), kCount);
+            const float still = scale * dotProduct(b, here.c.data(), kCount);
+            moved.truth[lobe] = scale * dotProduct(b, there.c.data(), kCount);
             for (int n = 0; n <= kBands; ++n) {
                 const auto change = [&](const Gradient& g, bool own) {
                     float sum = 0.0f;
                     for (size_t a = 0; a < 2; ++a) {
                         const float* c = own ? g[a].own[n].data() : g[a].c.data();
                         sum += kMove * way[static_cast<int>(a)] *
-                               dot(b, c, static_cast<size_t>(n * n));
+                               dotProduct(b, c, static_cast<size_t>(n * n));
                     }
                     return sum;
                 };

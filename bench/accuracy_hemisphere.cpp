@@ -159,10 +159,10 @@ void traceLayout(const BenchScenes& scenes, int sites, const Layout& layout,
         for (size_t k = 0; k < kernels.size(); ++k) {
             Values& values = rows[first + k].values;
             const auto i = static_cast<size_t>(index);
-            values.of[0][i] = dot(kernels[k].irradiance.data(), light.data(), light.size());
+            values.of[0][i] = dotProduct(kernels[k].irradiance.data(), light.data(), light.size());
             for (int view = 0; view < kViews; ++view) {
-                values.of[1 + view][i] = dot(kernels[k].lobes[view][azimuthOf(index)].data(),
-                                             light.data(), light.size());
+                values.of[1 + view][i] = dotProduct(kernels[k].lobes[view][azimuthOf(index)].data(),
+                                                    light.data(), light.size());
             }
         }
     });

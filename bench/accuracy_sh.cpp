@@ -92,8 +92,8 @@ void judge(const Sphere& sphere, const std::vector<Projection>& projections, Eye
             const Coefficients c = sphere.project(projections[p], p, order, moments);
             for (int k = 0; k < kPixels; ++k) {
                 if (judged(k)) {
-                    const double e = dot(c.c, sphere.lobe(projections[p], k).c,
-                                         static_cast<size_t>(order * order)) -
+                    const double e = dotProduct(c.c, sphere.lobe(projections[p], k).c,
+                                                static_cast<size_t>(order * order)) -
                                      truth[static_cast<size_t>(k)];
                     sums.squares[eye][p][order - kMinOrder][k] += e * e;
                 }
@@ -102,8 +102,8 @@ void judge(const Sphere& sphere, const std::vector<Projection>& projections, Eye
                 sums.negative[order - kMinOrder] += sphere.negative(order, c) ? 1 : 0;
                 for (int k = 0; k < kPixels; k += kTilts) {
                     const float t = truth[static_cast<size_t>(k)];
-                    const float e = dot(c.c, sphere.lobe(projections[p], k).c,
-                                        static_cast<size_t>(order * order)) -
+                    const float e = dotProduct(c.c, sphere.lobe(projections[p], k).c,
+                                               static_cast<size_t>(order * order)) -
                                     t;
                     sums.negative_light[order - kMinOrder][k / kTilts] += e + t < 0.0f ? 1 : 0;
                     sums.relative[order - kMinOrder][k / kTilts].push_back(std::abs(e) /
@@ -117,7 +117,8 @@ void judge(const Sphere& sphere, const std::vector<Projection>& projections, Eye
                                               shared::SH_MAX_ORDER, moments);
         for (int l = 0; l < shared::SH_MAX_ORDER; ++l) {
             const auto size = static_cast<size_t>(2 * l + 1);
-            sums.band_power[l] += dot(&c.c[l * l], &c.c[l * l], size) / static_cast<double>(size);
+            sums.band_power[l] +=
+                dotProduct(&c.c[l * l], &c.c[l * l], size) / static_cast<double>(size);
         }
     }
 }

@@ -185,23 +185,4 @@ double rms(std::span<const double> values) {
     return std::sqrt(sum / static_cast<double>(std::max<size_t>(values.size(), 1)));
 }
 
-float dot(const float* a, const float* b, size_t n) {
-    constexpr size_t kLanes = 16;
-    float lanes[kLanes] = {};
-    size_t i = 0;
-    for (; i + kLanes <= n; i += kLanes) {
-        for (size_t k = 0; k < kLanes; ++k) {
-            lanes[k] += a[i + k] * b[i + k];
-        }
-    }
-    float sum = 0.0f;
-    for (float lane : lanes) {
-        sum += lane;
-    }
-    for (; i < n; ++i) {
-        sum += a[i] * b[i];
-    }
-    return sum;
-}
-
 }  // namespace sheen::bench

@@ -89,7 +89,4 @@ Errors errorsOf(std::span<const float> estimate, std::span<const float> truth,
 /// Root of the mean square.
 double rms(std::span<const double> values);
 
-/// Sum of products; doubles would cost twice, several partial sums keep floats exact enough.
-float dot(const float* a, const float* b, size_t n);
-
 }  // namespace sheen::bench

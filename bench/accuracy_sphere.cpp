@@ -281,25 +281,26 @@ void Sphere::invertFits() {
 float Sphere::outgoing(int pixel, const SphereImage& image) const {
     const size_t texels = image.upper.size();
     const size_t first = static_cast<size_t>(pixel) * texels;
-    const float above = dot(&lobes_upper_[first], image.upper.data(), texels);
-    return image.lower.empty() ? above
-                               : above + dot(&lobes_lower_[first], image.lower.data(), texels);
+    const float above = dotProduct(&lobes_upper_[first], image.upper.data(), texels);
+    return image.lower.empty()
+               ? above
+               : above + dotProduct(&lobes_lower_[first], image.lower.data(), texels);
 }
 
 Sphere::Moments Sphere::moments(const SphereImage& image) const {
     const size_t texels = image.upper.size();
     Moments m;
     for (size_t k = 0; k < kCount; ++k) {
-        m.upper.c[k] = dot(&basis_[k * texels], image.upper.data(), texels);
-        m.hemispherical.c[k] = dot(&hemispherical_[k * texels], image.upper.data(), texels);
+        m.upper.c[k] = dotProduct(&basis_[k * texels], image.upper.data(), texels);
+        m.hemispherical.c[k] = dotProduct(&hemispherical_[k * texels], image.upper.data(), texels);
         for (int band = 0; band < kBands; ++band) {
-            m.bands[band].c[k] = dot(&bands_[band][k * texels], image.upper.data(), texels);
+            m.bands[band].c[k] = dotProduct(&bands_[band][k * texels], image.upper.data(), texels);
         }
     }
     for (int order = kMinOrder; order <= shared::SH_MAX_ORDER; ++order) {
         for (size_t k = 0; k < static_cast<size_t>(order * order); ++k) {
             m.program[order - kMinOrder].c[k] =
-                dot(&program_[order - kMinOrder][k * texels], image.upper.data(), texels);
+                dotProduct(&program_[order - kMinOrder][k * texels], image.upper.data(), texels);
         }
     }
     return m;
@@ -352,7 +353,7 @@ const Coefficients& Sphere::lobe(const Projection& projection, int pixel) const 
 
 bool Sphere::negative(int order, const Coefficients& c) const {
     return std::any_of(directions_.begin(), directions_.end(), [&](const Coefficients& y) {
-        return dot(y.c, c.c, static_cast<size_t>(order * order)) < 0.0f;
+        return dotProduct(y.c, c.c, static_cast<size_t>(order * order)) < 0.0f;
     });
 }
 

@@ -71,26 +71,6 @@ float greatestCurvature(const vec3& m) {
     return std::abs(mean) + std::hypot(0.5f * (m.x - m.z), m.y);
 }
 
-float dotProduct(const float* a, const float* b, size_t n) {
-    // Several partial sums: the compiler may not reorder one.
-    constexpr size_t kLanes = 16;
-    float lanes[kLanes] = {};
-    size_t i = 0;
-    for (; i + kLanes <= n; i += kLanes) {
-        for (size_t k = 0; k < kLanes; ++k) {
-            lanes[k] += a[i + k] * b[i + k];
-        }
-    }
-    float sum = 0.0f;
-    for (float lane : lanes) {
-        sum += lane;
-    }
-    for (; i < n; ++i) {
-        sum += a[i] * b[i];
-    }
-    return sum;
-}
-
 std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
                              const TranslationGradient& gradient, const ShProjection& projection,
                              int order, const mat3& world_from_local) {

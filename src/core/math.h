@@ -1,6 +1,7 @@
 // The vector types of the project and the few helpers GLM has no name for.
 #pragma once
 
+#include <cstddef>
 #include <glm/glm.hpp>
 #include <limits>
 
@@ -22,6 +23,26 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Of a linear Rec. 709 colour.
 inline float luminance(const vec3& c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
+
+/// Of two arrays of n, in several partial sums, since the compiler may not reorder one.
+inline float dotProduct(const float* a, const float* b, size_t n) {
+    constexpr size_t kLanes = 16;
+    float lanes[kLanes] = {};
+    size_t i = 0;
+    for (; i + kLanes <= n; i += kLanes) {
+        for (size_t k = 0; k < kLanes; ++k) {
+            lanes[k] += a[i + k] * b[i + k];
+        }
+    }
+    float sum = 0.0f;
+    for (float lane : lanes) {
+        sum += lane;
+    }
+    for (; i < n; ++i) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
 
 /// Axis-aligned bounds, world space; empty (lower > upper) until a point is added.
 struct Bounds {
