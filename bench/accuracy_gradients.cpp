@@ -213,7 +213,7 @@ class SiteJudge {
     float freeWay(const vec2& way) const {
         const vec3 direction[] = {frame_[0] * way.x + frame_[1] * way.y};
         vec4 seen;
-        scene_.rays.cast(scene_.eye(site_), direction, &seen);
+        scene_.rays.cast({.origin = scene_.eye(site_), .directions = direction}, &seen);
         return seen.w > 0.0f ? seen.w : kInfinity;
     }
 

@@ -50,7 +50,7 @@ class SiteImages {
         const vec3 eye = scene_.eye(site_);
         const vec3 up[] = {site_.geometric_normal};
         vec4 above;
-        scene_.rays.cast(eye, up, &above);
+        scene_.rays.cast({.origin = eye, .directions = up}, &above);
         const float room = above.w > 0.0f ? 0.5f * above.w : kInfinity;
         const vec3 lifted = eye + std::min(kLift * mean_distance_, room) * up[0];
         return {greys(trace(lifted, {.seed = hashCombine(seed_, 2)})),

@@ -127,7 +127,7 @@ std::vector<vec4> traceTexels(const RayCaster& rays, const Hemisphere& hemispher
                 }
             }
             seen.resize(directions.size());
-            rays.cast(eye, directions, seen.data());
+            rays.cast({.origin = eye, .directions = directions}, seen.data());
             for (size_t i = 0; i < of.size(); ++i) {
                 texels[of[i]] += vec4(vec3(seen[i]), 0.0f) / static_cast<float>(parts);
                 inverse[of[i]] += seen[i].w > 0.0f ? 1.0f / seen[i].w : 0.0f;

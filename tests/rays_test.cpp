@@ -22,7 +22,7 @@ const vec3 kUp(0, 1, 0);
 vec4 castOne(const RayCaster& rays, const vec3& origin, const vec3& direction) {
     // What was there before must not show.
     vec4 seen(std::numeric_limits<float>::quiet_NaN());
-    rays.cast(origin, {&direction, 1}, &seen);
+    rays.cast({.origin = origin, .directions = {&direction, 1}}, &seen);
     return seen;
 }
 
@@ -214,7 +214,7 @@ TEST(RayCaster, EmptyScene) {
     const RayCaster rays(scene);
     std::vector<vec3> directions(9, glm::normalize(vec3(1, 2, 3)));
     std::vector<vec4> seen(directions.size(), vec4(7.0f));
-    rays.cast(vec3(0), directions, seen.data());
+    rays.cast({.origin = vec3(0), .directions = directions}, seen.data());
     for (const vec4& v : seen) {
         EXPECT_EQ(v, vec4(0.0f));
     }
@@ -339,7 +339,7 @@ TEST(RayCaster, AnyNumberOfRaysSeesWhatEachSeesAlone) {
             }
             // One more than there are rays stays as it was.
             std::vector<vec4> seen(count + 1, vec4(7.0f));
-            rays.cast(origin, directions, seen.data());
+            rays.cast({.origin = origin, .directions = directions}, seen.data());
             for (size_t i = 0; i < count; ++i) {
                 EXPECT_EQ(seen[i], castOne(rays, origin, directions[i])) << i << " of " << count;
             }

@@ -63,7 +63,7 @@ void expectInside(const Room& room, int walls, Random& random) {
                 directions.push_back(room.turn * random.direction(n_g));
             }
             std::vector<vec4> seen(directions.size());
-            rays.cast(start, directions, seen.data());
+            rays.cast({.origin = start, .directions = directions}, seen.data());
             for (const vec4& v : seen) {
                 EXPECT_EQ(vec3(v), vec3(0, 1, 0)) << "nudge " << which << " wall " << wall;
                 EXPECT_GT(v.w, 0.0f);

@@ -9,10 +9,11 @@
 namespace sheen {
 namespace {
 
-constexpr int kPacket = RayCaster::kPacket;
-// Texels whose rays are cast together: a block is seen in similar directions.
+// Rays are cast in the order of blocks of texels, which are seen in similar directions; a texel
+// looked at closer gets as many more, a row and a column each.
 constexpr int kBlockWidth = 4;
-constexpr int kBlockHeight = kPacket / kBlockWidth;
+constexpr int kBlockHeight = RayCaster::kPacket / kBlockWidth;
+constexpr int kMoreRays = kBlockWidth * kBlockHeight;
 
 // A texel is looked at closer where its neighbours' light differs by more than this many times what
 // a texel contributes on average.
@@ -35,21 +36,26 @@ struct WorldFace {
     }
 };
 
-// Rays that are cast together, and what they are for. Directions below the surface, to where the
-// shading normal's hemisphere may reach, are not cast: nothing comes from there.
-struct Packet {
-    vec3 directions[kPacket];
-    float solid_angles[kPacket];  // that the rays stand for
-    size_t of[kPacket];
-    vec4 seen[kPacket];
-    size_t count = 0;
+// Rays of a record, and the texels they are for. Directions below the surface, to where the shading
+// normal's hemisphere may reach, are not cast: nothing comes from there.
+struct TexelRays {
+    vec3 n_g;
+    std::vector<vec3> directions = {};
+    std::vector<float> solid_angles = {};  // that the rays stand for
+    std::vector<size_t> of = {};
 
-    void add(const vec3& direction, float solid_angle, const vec3& n_g, size_t texel) {
+    void add(const vec3& direction, float solid_angle, size_t texel) {
         if (glm::dot(direction, n_g) > 0.0f) {
-            directions[count] = direction;
-            solid_angles[count] = solid_angle;
-            of[count++] = texel;
+            directions.push_back(direction);
+            solid_angles.push_back(solid_angle);
+            of.push_back(texel);
         }
+    }
+    std::vector<vec4> cast(const RayCaster& rays, const vec3& eye, const LightCells& cells) const {
+        std::vector<vec4> seen(directions.size());
+        rays.cast({.origin = eye, .directions = directions, .solid_angles = solid_angles},
+                  seen.data(), &cells);
+        return seen;
     }
 };
 
@@ -119,61 +125,56 @@ std::vector<vec4> RayGatherer::see(const RecordSite& site, uint32_t index) const
     };
 
     // One ray a texel.
+    TexelRays first{.n_g = site.geometric_normal};
     for (const HemisphereFace& face : h.faces) {
         const WorldFace world(face, frame);
         for (int y0 = 0; y0 < face.height; y0 += kBlockHeight) {
             for (int x0 = 0; x0 < face.width; x0 += kBlockWidth) {
-                Packet packet;
                 for (int y = y0; y < std::min(y0 + kBlockHeight, face.height); ++y) {
                     for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
                         const size_t t = texelOf(face, x, y);
                         const vec2 place = randomPlace(index, static_cast<uint32_t>(t));
-                        packet.add(world.direction(x, y, place), h.solid_angles[t],
-                                   site.geometric_normal, t);
+                        first.add(world.direction(x, y, place), h.solid_angles[t], t);
                     }
-                }
-                rays_.cast(eye, {packet.directions, packet.count}, packet.seen,
-                           packet.solid_angles);
-                for (size_t k = 0; k < packet.count; ++k) {
-                    texels[packet.of[k]] = packet.seen[k];
                 }
             }
         }
     }
+    const std::vector<vec4> first_seen = first.cast(rays_, eye, cells_);
+    for (size_t i = 0; i < first.of.size(); ++i) {
+        texels[first.of[i]] = first_seen[i];
+    }
 
-    // A packet more where light changes from texel to texel.
+    // Eight more where light changes from texel to texel.
     const std::vector<uint8_t> refine = texelsToRefine(h, texels);
+    TexelRays more{.n_g = site.geometric_normal};
     for (const HemisphereFace& face : h.faces) {
         const WorldFace world(face, frame);
         for (int y = 0; y < face.height; ++y) {
             for (int x = 0; x < face.width; ++x) {
                 const size_t t = texelOf(face, x, y);
-                if (refine[t] == 0) {
-                    continue;
-                }
-                Packet packet;
-                for (int k = 0; k < kPacket; ++k) {
-                    const size_t ray = texels.size() + t * kPacket + static_cast<size_t>(k);
+                for (int k = 0; refine[t] != 0 && k < kMoreRays; ++k) {
+                    const size_t ray = texels.size() + t * kMoreRays + static_cast<size_t>(k);
                     const vec2 place = (vec2(k % kBlockWidth, k / kBlockWidth) +
                                         randomPlace(index, static_cast<uint32_t>(ray))) /
                                        vec2(kBlockWidth, kBlockHeight);
-                    packet.add(world.direction(x, y, place), h.solid_angles[t] / kPacket,
-                               site.geometric_normal, t);
+                    more.add(world.direction(x, y, place), h.solid_angles[t] / kMoreRays, t);
                 }
-                rays_.cast(eye, {packet.directions, packet.count}, packet.seen,
-                           packet.solid_angles);
-                // The mean of radiance, and of the distance's inverse, over all nine rays.
-                vec3 radiance(texels[t]);
-                float inverse = texels[t].w > 0.0f ? 1.0f / texels[t].w : 0.0f;
-                for (size_t k = 0; k < packet.count; ++k) {
-                    radiance += vec3(packet.seen[k]);
-                    inverse += packet.seen[k].w > 0.0f ? 1.0f / packet.seen[k].w : 0.0f;
-                }
-                constexpr float kShare = 1.0f / (1 + kPacket);
-                texels[t] =
-                    vec4(kShare * radiance, inverse > 0.0f ? 1.0f / (kShare * inverse) : 0.0f);
             }
         }
+    }
+    const std::vector<vec4> more_seen = more.cast(rays_, eye, cells_);
+    // The mean of radiance, and of the distance's inverse, over all nine rays.
+    const auto inverse = [](float distance) { return distance > 0.0f ? 1.0f / distance : 0.0f; };
+    for (size_t t = 0; t < texels.size(); ++t) {
+        texels[t].w = inverse(texels[t].w);
+    }
+    for (size_t i = 0; i < more.of.size(); ++i) {
+        texels[more.of[i]] += vec4(vec3(more_seen[i]), inverse(more_seen[i].w));
+    }
+    for (size_t t = 0; t < texels.size(); ++t) {
+        texels[t] *= refine[t] != 0 ? 1.0f / (1 + kMoreRays) : 1.0f;
+        texels[t].w = inverse(texels[t].w);
     }
     return texels;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cache/gather.h"
+#include "rays/light_cells.h"
 #include "rays/ray_caster.h"
 
 namespace sheen {
@@ -16,7 +17,7 @@ namespace sheen {
 class RayGatherer {
   public:
     RayGatherer(const RayCaster& rays, const HemisphereParams& params)
-        : rays_(rays), hemisphere_(makeHemisphere(params)) {}
+        : rays_(rays), cells_(rays), hemisphere_(makeHemisphere(params)) {}
 
     /// One result a site, in order.
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites);
@@ -28,6 +29,7 @@ class RayGatherer {
     std::vector<vec4> see(const RecordSite& site, uint32_t index) const;
 
     const RayCaster& rays_;
+    LightCells cells_;
     Hemisphere hemisphere_;
     ProjectionMatrices projections_;
     uint32_t gathered_ = 0;

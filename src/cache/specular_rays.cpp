@@ -64,7 +64,10 @@ vec3 reflected(const RayCaster& rays, const GBuffer& gbuffer, const vec3& n_g, s
                 weights[count++] = weight;
             }
         }
-        rays.cast(eye, {directions, count}, seen, solid_angles);
+        rays.cast({.origin = eye,
+                   .directions = {directions, count},
+                   .solid_angles = {solid_angles, count}},
+                  seen);
         for (size_t k = 0; k < count; ++k) {
             sum += weights[k] * vec3(seen[k]);
         }

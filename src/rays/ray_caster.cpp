@@ -8,7 +8,8 @@
 #include <optional>
 
 #include "core/error.h"
-#include "scene/brdf_albedo.h"
+#include "rays/light_cells.h"
+#include "rays/surface_point.h"
 
 namespace sheen {
 namespace {
@@ -22,51 +23,6 @@ constexpr float kShadowRayShare = 1.0f - 1e-5f;
 struct alignas(32) Mask {
     int lanes[kPacket] = {};  // -1: in use
 };
-
-// Where a ray met the scene.
-struct Met {
-    uint32_t triangle;
-    vec3 barycentric;
-    vec3 position;
-    vec3 n_g, wo;  // n_g on the side of wo, from where the ray came
-};
-
-Met metAt(const Scene& scene, uint32_t triangle, float u, float v, const vec3& wo) {
-    const uvec3& t = scene.triangles[triangle];
-    const vec3& p0 = scene.positions[t.x];
-    const vec3& p1 = scene.positions[t.y];
-    const vec3& p2 = scene.positions[t.z];
-    const float w = 1.0f - u - v;
-    return {.triangle = triangle,
-            .barycentric = vec3(w, u, v),
-            .position = w * p0 + u * p1 + v * p2,
-            .n_g = shared::faceViewer(glm::normalize(glm::cross(p1 - p0, p2 - p0)), wo),
-            .wo = wo};
-}
-
-// What is there; most of what rays meet lies in the dark and is never asked.
-struct Surface {
-    vec3 n;  // on the side of wo
-    Brdf brdf;
-};
-
-Surface surfaceAt(const Scene& scene, const Met& met) {
-    const uvec3& t = scene.triangles[met.triangle];
-    const vec3& b = met.barycentric;
-    const vec3 n = b.x * scene.normals[t.x] + b.y * scene.normals[t.y] + b.z * scene.normals[t.z];
-    const float length = glm::length(n);
-    Surface surface;
-    surface.n = shared::shadingNormal(length > 1e-6f ? n / length : met.n_g, met.n_g, met.wo);
-    const vec2 uv = b.x * scene.uvs[t.x] + b.y * scene.uvs[t.y] + b.z * scene.uvs[t.z];
-    const MaterialParams material =
-        materialAt(scene, scene.materials[scene.materials_of[met.triangle]], uv);
-    // A Lambertian surface needs no albedo of a lobe it does not have.
-    const bool lambertian = material.metallic == 0.0f && material.specular == 0.0f;
-    surface.brdf = shared::makeBrdf(
-        material,
-        lambertian ? vec2(0.0f) : brdfAlbedo(glm::dot(surface.n, met.wo), material.roughness));
-    return surface;
-}
 
 void setRay(RTCRay8& rays, int lane, const vec3& origin, const vec3& direction, float tfar) {
     rays.org_x[lane] = origin.x;
@@ -82,6 +38,21 @@ void setRay(RTCRay8& rays, int lane, const vec3& origin, const vec3& direction, 
     rays.id[lane] = 0;
     rays.flags[lane] = 0;
 }
+
+// Sets a ray from a surface to a light, from where `light` arrives as `sample`.
+void setShadowRay(RTCRay8& rays, int lane, const vec3& start, const PunctualLight& light,
+                  const LightSample& sample) {
+    if (sample.distance < 0.0f) {
+        setRay(rays, lane, start, sample.wi, kInfinity);
+    } else {
+        const vec3 to_light = light.position - start;
+        const float distance = std::max(glm::length(to_light), 1e-30f);
+        setRay(rays, lane, start, to_light / distance, distance * kShadowRayShare);
+    }
+}
+
+// Whether a shadow ray found nothing in its way: Embree sets tfar to -infinity where it did.
+bool arrived(const RTCRay8& rays, int lane) { return rays.tfar[lane] >= 0.0f; }
 
 }  // namespace
 
@@ -127,92 +98,165 @@ void RayCaster::build() {
     }
 }
 
-void RayCaster::cast(const vec3& origin, std::span<const vec3> directions, vec4* seen,
-                     const float* solid_angles) const {
-    for (size_t first = 0; first < directions.size(); first += kPacket) {
-        const size_t count = std::min<size_t>(kPacket, directions.size() - first);
-        castPacket(origin, directions.subspan(first, count), seen + first,
-                   solid_angles != nullptr ? solid_angles + first : nullptr);
+// What a ray met.
+struct RayCaster::Hit {
+    size_t ray;
+    uint32_t triangle;
+    float u, v;
+    float distance;
+    const LightCells::Cell* cell;  // null: nothing is known of its light
+    uint32_t shade() const { return cell != nullptr ? cell->shade : ~0u; }
+    uint32_t trace() const { return cell != nullptr ? cell->trace : ~0u; }
+};
+
+void RayCaster::cast(const Rays& rays, vec4* seen, const LightCells* cells) const {
+    // Few hits of a packet lack light; those of many packets fill packets of shadow rays. By then
+    // the cells, which lie anywhere in memory, have arrived in the processor's cache.
+    constexpr size_t kTogether = 32 * kPacket;
+    Hit hits[kTogether];
+    for (size_t first = 0; first < rays.directions.size(); first += kTogether) {
+        const size_t end = std::min(first + kTogether, rays.directions.size());
+        size_t count = 0;
+        for (size_t packet = first; packet < end; packet += kPacket) {
+            count += meet(rays, packet, std::min(packet + kPacket, end), cells, seen, hits + count);
+        }
+        for (size_t i = 0; i < count; ++i) {
+            const Hit& hit = hits[i];
+            const vec3& radiance =
+                hit.cell != nullptr
+                    ? hit.cell->radiance
+                    : scene_.materials[scene_.materials_of[hit.triangle]].params.emission;
+            seen[hit.ray] = vec4(radiance, hit.distance);
+        }
+        const std::span<Hit> all(hits, count);
+        const auto dark =
+            std::partition(all.begin(), all.end(), [](const Hit& hit) { return hit.shade() != 0; });
+        const auto known =
+            std::partition(all.begin(), dark, [](const Hit& hit) { return hit.trace() != 0; });
+        for (const std::span<Hit> lacking :
+             {std::span(all.begin(), known), std::span(known, dark)}) {
+            for (size_t i = 0; i < lacking.size(); i += kPacket) {
+                light(rays, lacking.subspan(i, std::min<size_t>(kPacket, lacking.size() - i)),
+                      seen);
+            }
+        }
     }
 }
 
-void RayCaster::castPacket(const vec3& origin, std::span<const vec3> directions, vec4* seen,
-                           const float* solid_angles) const {
-    const auto count = static_cast<int>(directions.size());
+uint32_t RayCaster::reached(const PunctualLight& light, std::span<const vec3> points,
+                            const vec3& n_g) const {
+    SHEEN_CHECK(points.size() <= kPacket);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-
-    // Find what the rays meet.
-    Mask cast;
-    alignas(32) RTCRayHit8 rays{};
-    for (int k = 0; k < count; ++k) {
-        cast.lanes[k] = -1;
-        setRay(rays.ray, k, origin, directions[static_cast<size_t>(k)], kInfinity);
-        rays.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-        rays.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    Mask facing;
+    alignas(32) RTCRay8 shadow;
+    for (size_t i = 0; i < points.size(); ++i) {
+        const LightSample sample = shared::sampleLight(light, points[i]);
+        if (glm::dot(n_g, sample.wi) > 0.0f && sample.irradiance != vec3(0.0f)) {
+            const auto k = static_cast<int>(i);
+            facing.lanes[k] = -1;
+            setShadowRay(shadow, k, origin(points[i], n_g, vec3(0.0f)), light, sample);
+        }
     }
-    rtcIntersect8(cast.lanes, embree_.get(), &context, &rays);
-    Met met[kPacket];
-    for (int k = 0; k < count; ++k) {
-        if (rays.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
-            cast.lanes[k] = 0;
-            seen[k] = vec4(0.0f);
+    rtcOccluded8(facing.lanes, embree_.get(), &context, &shadow);
+    uint32_t reached = 0;
+    for (int k = 0; k < kPacket; ++k) {
+        reached |= facing.lanes[k] != 0 && arrived(shadow, k) ? 1u << k : 0u;
+    }
+    return reached;
+}
+
+size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCells* cells,
+                       vec4* seen, Hit* hits) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    Mask cast;
+    alignas(32) RTCRayHit8 met;
+    for (size_t i = first; i < end; ++i) {
+        const auto k = static_cast<int>(i - first);
+        cast.lanes[k] = -1;
+        setRay(met.ray, k, rays.origin, rays.directions[i], kInfinity);
+        met.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+        met.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(cast.lanes, embree_.get(), &context, &met);
+
+    size_t count = 0;
+    for (size_t i = first; i < end; ++i) {
+        const auto k = static_cast<int>(i - first);
+        if (met.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
+            seen[i] = vec4(0.0f);
             continue;
         }
-        met[k] = metAt(scene_, rays.hit.primID[k], rays.hit.u[k], rays.hit.v[k],
-                       -directions[static_cast<size_t>(k)]);
-        const Material& material = scene_.materials[scene_.materials_of[met[k].triangle]];
-        seen[k] = vec4(material.params.emission, rays.ray.tfar[k]);
+        Hit& hit = hits[count++];
+        hit = {.ray = i,
+               .triangle = met.hit.primID[k],
+               .u = met.hit.u[k],
+               .v = met.hit.v[k],
+               .distance = met.ray.tfar[k],
+               .cell = nullptr};
+        if (cells != nullptr) {
+            const vec3 n_g(met.hit.Ng_x[k], met.hit.Ng_y[k], met.hit.Ng_z[k]);
+            hit.cell =
+                cells->find(hit.triangle, hit.u, hit.v, glm::dot(n_g, rays.directions[i]) > 0.0f,
+                            rays.solidAngle(i) * hit.distance * hit.distance);
+            __builtin_prefetch(hit.cell);
+        }
     }
+    return count;
+}
 
-    // Light it, with a shadow ray wherever a light would arrive.
-    std::optional<Surface> surfaces[kPacket];
-    for (const PunctualLight& light : scene_.lights) {
-        Mask lit;
-        alignas(32) RTCRay8 shadow{};
-        LightSample arriving[kPacket];  // unshadowed
+void RayCaster::light(const Rays& rays, std::span<const Hit> hits, vec4* seen) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    const auto count = static_cast<int>(hits.size());
+    SurfacePoint points[kPacket];
+    for (int k = 0; k < count; ++k) {
+        const Hit& hit = hits[static_cast<size_t>(k)];
+        points[k] = surfacePoint(scene_, hit.triangle, hit.u, hit.v, -rays.directions[hit.ray]);
+    }
+    std::optional<Surface> surfaces[kPacket];  // much of what is met lies in the dark: never asked
+    for (size_t i = 0; i < scene_.lights.size(); ++i) {
+        const uint32_t bit = LightCells::bit(i);
+        const PunctualLight& light = scene_.lights[i];
+        LightSample samples[kPacket];
+        bool arrives[kPacket] = {};
+        Mask traced;
+        bool any_traced = false;
+        alignas(32) RTCRay8 shadow;
         for (int k = 0; k < count; ++k) {
-            if (cast.lanes[k] == 0) {
+            const Hit& hit = hits[static_cast<size_t>(k)];
+            const SurfacePoint& p = points[k];
+            if ((hit.shade() & bit) == 0) {
                 continue;
             }
-            const Met& m = met[k];
-            arriving[k] = shared::sampleLight(light, m.position);
-            const LightSample& l = arriving[k];
-            if (glm::dot(m.n_g, l.wi) <= 0.0f || l.irradiance == vec3(0.0f)) {
-                continue;
-            }
-            lit.lanes[k] = -1;
-            const vec3 start = this->origin(m.position, m.n_g, m.wo);
-            if (l.distance < 0.0f) {
-                setRay(shadow, k, start, l.wi, kInfinity);
-            } else {
-                const vec3 to_light = light.position - start;
-                const float distance = std::max(glm::length(to_light), 1e-30f);
-                setRay(shadow, k, start, to_light / distance, distance * kShadowRayShare);
+            samples[k] = shared::sampleLight(light, p.position);
+            arrives[k] =
+                glm::dot(p.n_g, samples[k].wi) > 0.0f && samples[k].irradiance != vec3(0.0f);
+            if (arrives[k] && (hit.trace() & bit) != 0) {
+                traced.lanes[k] = -1;
+                any_traced = true;
+                setShadowRay(shadow, k, origin(p.position, p.n_g, p.wo), light, samples[k]);
             }
         }
-        rtcOccluded8(lit.lanes, embree_.get(), &context, &shadow);
+        if (any_traced) {
+            rtcOccluded8(traced.lanes, embree_.get(), &context, &shadow);
+        }
         for (int k = 0; k < count; ++k) {
-            // Embree sets tfar to -infinity where something is in the way.
-            if (lit.lanes[k] == 0 || shadow.tfar[k] < 0.0f) {
+            if (!arrives[k] || (traced.lanes[k] != 0 && !arrived(shadow, k))) {
                 continue;
             }
-            const Met& m = met[k];
             if (!surfaces[k]) {
-                surfaces[k] = surfaceAt(scene_, m);
+                surfaces[k] = surfaceAt(scene_, points[k]);
             }
-            const LightSample& l = arriving[k];
-            const float NoL = glm::dot(surfaces[k]->n, l.wi);
-            if (NoL <= 0.0f) {
-                continue;
-            }
-            Brdf brdf = surfaces[k]->brdf;
-            brdf.alpha =
-                shared::filteredAlpha(brdf.alpha, solid_angles != nullptr ? solid_angles[k] : 0.0f,
-                                      rays.ray.tfar[k], l.distance);
-            seen[k] +=
-                vec4(shared::evalBrdf(brdf, surfaces[k]->n, m.wo, l.wi) * l.irradiance * NoL, 0.0f);
+            const size_t ray = hits[static_cast<size_t>(k)].ray;
+            Surface surface = *surfaces[k];
+            surface.brdf.alpha = shared::filteredAlpha(surface.brdf.alpha, rays.solidAngle(ray),
+                                                       seen[ray].w, samples[k].distance);
+            seen[ray] += vec4(scattered(surface, points[k].wo, samples[k]), 0.0f);
         }
     }
 }

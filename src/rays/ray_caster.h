@@ -12,22 +12,40 @@
 
 namespace sheen {
 
+class LightCells;
+
+/// Rays from one point. Neighbours should point in similar directions.
+struct Rays {
+    vec3 origin;
+    std::span<const vec3> directions;  ///< unit
+    /// Of the cone a ray stands for, as many as directions. Highlights narrower than it are seen as
+    /// wide as it is (filteredAlpha() in brdf.glsl). None: each ray stands for itself.
+    std::span<const float> solid_angles = {};
+
+    float solidAngle(size_t i) const { return solid_angles.empty() ? 0.0f : solid_angles[i]; }
+};
+
 /// Casts rays into a scene, which must outlive it. Safe to use from many threads.
 class RayCaster {
   public:
     /// Environment error where Embree cannot start or runs out of memory.
     explicit RayCaster(const Scene& scene);
 
-    /// Rays that are cast together; more are cast in several packets.
+    const Scene& scene() const { return scene_; }
+
+    /// Rays that meet the scene together.
     static constexpr int kPacket = 8;
 
-    /// For each of `directions` (unit), from `origin`: the radiance that arrives, light scattered
-    /// once and emission, and in w the distance it comes from; all zero where nothing is met. As
-    /// many `seen` as directions. Neighbouring rays should point in similar directions.
-    /// `solid_angles`, as many: of the cone a ray stands for. Highlights narrower than it are seen
-    /// as wide as it is (filteredAlpha() in brdf.glsl); null: each ray stands for itself.
-    void cast(const vec3& origin, std::span<const vec3> directions, vec4* seen,
-              const float* solid_angles = nullptr) const;
+    /// For each ray: the radiance that arrives, light scattered once and emission, and in w the
+    /// distance it comes from; all zero where nothing is met. As many `seen` as rays. `cells`,
+    /// where given, are taken for the light on pieces of surface smaller than what a ray stands
+    /// for.
+    void cast(const Rays& rays, vec4* seen, const LightCells* cells = nullptr) const;
+
+    /// Which of at most kPacket points of one plane get light from `light` on the side of n_g: bit
+    /// k is the k-th point's.
+    uint32_t reached(const PunctualLight& light, std::span<const vec3> points,
+                     const vec3& n_g) const;
 
     /// Where a ray starts that leaves a point of a surface, whose geometric normal n_g is on the
     /// side of the unit direction `toward_viewer`, from where the point is seen (zero: from
@@ -45,8 +63,10 @@ class RayCaster {
         void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
     };
     void build();
-    void castPacket(const vec3& origin, std::span<const vec3> directions, vec4* seen,
-                    const float* solid_angles) const;
+    struct Hit;
+    size_t meet(const Rays& rays, size_t first, size_t end, const LightCells* cells, vec4* seen,
+                Hit* hits) const;
+    void light(const Rays& rays, std::span<const Hit> hits, vec4* seen) const;
 
     const Scene& scene_;
     float offset_ = 0;

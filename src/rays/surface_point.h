@@ -1,0 +1,69 @@
+// Where rays meet the scene, and what is there.
+#pragma once
+
+#include "scene/brdf_albedo.h"
+#include "scene/scene.h"
+
+namespace sheen {
+
+/// A point of a triangle, seen from the direction wo.
+struct SurfacePoint {
+    uint32_t triangle;
+    vec3 barycentric;
+    vec3 position;
+    vec3 n_g, wo;  ///< unit; n_g on the side of wo
+};
+
+/// The point at Embree's barycentric (u, v).
+inline SurfacePoint surfacePoint(const Scene& scene, uint32_t triangle, float u, float v,
+                                 const vec3& wo) {
+    const uvec3& t = scene.triangles[triangle];
+    const vec3& p0 = scene.positions[t.x];
+    const vec3& p1 = scene.positions[t.y];
+    const vec3& p2 = scene.positions[t.z];
+    const float w = 1.0f - u - v;
+    return {.triangle = triangle,
+            .barycentric = vec3(w, u, v),
+            .position = w * p0 + u * p1 + v * p2,
+            .n_g = shared::faceViewer(glm::normalize(glm::cross(p1 - p0, p2 - p0)), wo),
+            .wo = wo};
+}
+
+/// Whether light scatters alike in all directions.
+inline bool isLambertian(const MaterialParams& material) {
+    return material.metallic == 0.0f && material.specular == 0.0f;
+}
+
+/// What scatters light at a point.
+struct Surface {
+    vec3 n;  ///< shading normal, unit, on the side of wo
+    Brdf brdf;
+};
+
+inline Surface surfaceAt(const Scene& scene, const SurfacePoint& p) {
+    const uvec3& t = scene.triangles[p.triangle];
+    const vec3& b = p.barycentric;
+    const vec3 n = b.x * scene.normals[t.x] + b.y * scene.normals[t.y] + b.z * scene.normals[t.z];
+    const float length = glm::length(n);
+    Surface surface;
+    surface.n = shared::shadingNormal(length > 1e-6f ? n / length : p.n_g, p.n_g, p.wo);
+    const vec2 uv = b.x * scene.uvs[t.x] + b.y * scene.uvs[t.y] + b.z * scene.uvs[t.z];
+    const MaterialParams material =
+        materialAt(scene, scene.materials[scene.materials_of[p.triangle]], uv);
+    // A Lambertian surface needs no albedo of a lobe it does not have.
+    surface.brdf =
+        shared::makeBrdf(material, isLambertian(material)
+                                       ? vec2(0.0f)
+                                       : brdfAlbedo(glm::dot(surface.n, p.wo), material.roughness));
+    return surface;
+}
+
+/// Radiance toward wo of the light that arrives, unshadowed.
+inline vec3 scattered(const Surface& surface, const vec3& wo, const LightSample& light) {
+    const float NoL = glm::dot(surface.n, light.wi);
+    return NoL > 0.0f
+               ? shared::evalBrdf(surface.brdf, surface.n, wo, light.wi) * light.irradiance * NoL
+               : vec3(0.0f);
+}
+
+}  // namespace sheen
