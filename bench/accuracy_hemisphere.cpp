@@ -183,7 +183,8 @@ void traceProduct(const BenchScenes& scenes, int sites, int size, std::vector<Ro
     Values& values = rows.back().values;
     const BrdfRotator rotator(kOrder);
     for (size_t s = 0; s < scenes.size(); ++s) {
-        RayGatherer gatherer(scenes[s]->rays, params);
+        const LightCells cells(scenes[s]->rays);
+        RayGatherer gatherer(scenes[s]->rays, cells, params);
         constexpr int kBatch = 64;
         for (int first = 0; first < sites; first += kBatch) {
             std::vector<RecordSite> batch(

@@ -54,13 +54,14 @@ TEST(RayGatherer, TheSameBitsForAnyThreads) {
     const RayCaster rays(scene);
     const std::vector<RecordSite> sites = sitesInGlossyRoom(18);
     setThreadCount(1);
-    const std::vector<GatheredRecord> first = RayGatherer(rays, kHemicube).gather(sites);
+    const std::vector<GatheredRecord> first =
+        RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
     for (int threads : {1, 2, 3, 7}) {
         setThreadCount(threads);
-        expectSame(RayGatherer(rays, kHemicube).gather(sites), first);
+        expectSame(RayGatherer(rays, LightCells(rays), kHemicube).gather(sites), first);
         // Embree's tree is built anew.
         const RayCaster other_rays(scene);
-        expectSame(RayGatherer(other_rays, kHemicube).gather(sites), first);
+        expectSame(RayGatherer(other_rays, LightCells(other_rays), kHemicube).gather(sites), first);
     }
     setThreadCount(0);
 }
@@ -69,8 +70,10 @@ TEST(RayGatherer, OnlyTheNumberGatheredBeforeCounts) {
     const Scene scene = glossyRoom();
     const RayCaster rays(scene);
     const std::vector<RecordSite> sites = sitesInGlossyRoom(10);
-    const std::vector<GatheredRecord> together = RayGatherer(rays, kHemicube).gather(sites);
-    RayGatherer gatherer(rays, kHemicube);
+    const std::vector<GatheredRecord> together =
+        RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
+    const LightCells cells(rays);
+    RayGatherer gatherer(rays, cells, kHemicube);
     const std::span<const RecordSite> all(sites);
     std::vector<GatheredRecord> parts = gatherer.gather(all.first(4));
     EXPECT_TRUE(gatherer.gather({}).empty());
@@ -88,7 +91,8 @@ TEST(RayGatherer, PlacesDifferFromRecordToRecord) {
     addBox(scene, vec3(-1), vec3(1), {dark, dark, dark, lamp, dark, dark}, true);
     const RayCaster rays(scene);
     const std::vector<RecordSite> sites(8, siteAt(vec3(0.1f, -1, 0.2f), vec3(0, 1, 0)));
-    const std::vector<GatheredRecord> g = RayGatherer(rays, kHemicube).gather(sites);
+    const std::vector<GatheredRecord> g =
+        RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
     for (size_t i = 1; i < g.size(); ++i) {
         EXPECT_NE(g[i].record.irradiance.x, g[0].record.irradiance.x) << i;
         EXPECT_NEAR(g[i].record.irradiance.x, g[0].record.irradiance.x,
@@ -156,8 +160,8 @@ void expectMean(const Scene& scene, const RecordSite& site, double expected,
     constexpr int kRecords = 200;
     const RayCaster rays(scene);
     double sum = 0.0, squares = 0.0;
-    for (const GatheredRecord& g :
-         RayGatherer(rays, kHemicube).gather(std::vector<RecordSite>(kRecords, site))) {
+    for (const GatheredRecord& g : RayGatherer(rays, LightCells(rays), kHemicube)
+                                       .gather(std::vector<RecordSite>(kRecords, site))) {
         sum += value(g);
         squares += value(g) * value(g);
     }
@@ -211,7 +215,8 @@ TEST(RayGatherer, RadiusIsTheHarmonicMeanDistance) {
         expectMean(scene, site, sum / (2.0 * kPi),
                    [](const GatheredRecord& g) { return 1.0 / g.record.radius; });
         const RayCaster rays(scene);
-        const std::vector<GatheredRecord> g = RayGatherer(rays, kHemicube).gather({&site, 1});
+        const std::vector<GatheredRecord> g =
+            RayGatherer(rays, LightCells(rays), kHemicube).gather({&site, 1});
         EXPECT_GE(g[0].min_distance, 0.999f * nearest);
         EXPECT_LE(g[0].min_distance, 1.02f * nearest);
     }
@@ -224,7 +229,8 @@ TEST(RayGatherer, UniformLightGivesItsIrradianceAndHarmonics) {
     const RayCaster rays(scene);
     const std::vector<RecordSite> sites = {siteAt(vec3(0.3f, -1, 0.1f), vec3(0, 1, 0)),
                                            siteAt(vec3(0.3f, -1, 0.1f), vec3(0, 1, 0), 4)};
-    const std::vector<GatheredRecord> g = RayGatherer(rays, kHemicube).gather(sites);
+    const std::vector<GatheredRecord> g =
+        RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
     EXPECT_TRUE(g[0].sh.empty());
     ASSERT_EQ(g[1].sh.size(), static_cast<size_t>(shLayout(4).size()));
     for (int c = 0; c < 3; ++c) {
@@ -246,7 +252,8 @@ TEST(RayGatherer, NothingSeenIsDarkAndInfinitelyFar) {
             addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1.0f))));
     const RayCaster rays(scene);
     const RecordSite site = siteAt(vec3(0), vec3(0, 1, 0));
-    const std::vector<GatheredRecord> g = RayGatherer(rays, kHemicube).gather({&site, 1});
+    const std::vector<GatheredRecord> g =
+        RayGatherer(rays, LightCells(rays), kHemicube).gather({&site, 1});
     EXPECT_EQ(g[0].record.irradiance, vec3(0.0f));
     EXPECT_EQ(g[0].record.radius, kInfinity);
     EXPECT_EQ(g[0].min_distance, kInfinity);
@@ -278,7 +285,8 @@ TEST(RayGatherer, AMirrorsHighlightIsNeitherMissedNorABlotch) {
             const RayCaster rays(scene);
             const std::vector<RecordSite> sites(kRecords, siteAt(vec3(0), vec3(0, 1, 0)));
             double sum = 0.0, least = kInfinity, most = 0.0;
-            for (const GatheredRecord& g : RayGatherer(rays, kHemicube).gather(sites)) {
+            for (const GatheredRecord& g :
+                 RayGatherer(rays, LightCells(rays), kHemicube).gather(sites)) {
                 const double e = g.record.irradiance.x;
                 sum += e;
                 least = std::min(least, e);

@@ -153,6 +153,10 @@ TEST_F(CliTest, optionsOutOfRange) {
                                "--accuracy nan",
                                "--accuracy inf",
                                "--accuracy 0.1x",
+                               "--target-error 0",
+                               "--target-error 0.6",
+                               "--target-error nan",
+                               "--target-error 1%",
                                "--sh-order 1",
                                "--sh-order 11",
                                "--sh-order best",
@@ -189,11 +193,13 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
     }
     expectError("render scene.gltf --method irradiance --sh-order 4", ExitCode::kUsage,
                 "--sh-order: not an option of --method irradiance");
-    for (const char* option : {"--accuracy 0.1", "--sh-order 4", "--gather plane",
-                               "--gather-size 32", "--gather-extent 2"}) {
+    for (const char* option : {"--accuracy 0.1", "--target-error 0.02", "--sh-order 4",
+                               "--gather plane", "--gather-size 32", "--gather-extent 2"}) {
         expectError(fmt::format("render scene.gltf --method reference {}", option),
                     ExitCode::kUsage, "not an option of --method reference");
     }
+    expectError("render scene.gltf --target-error 0.02 --accuracy 0.1", ExitCode::kUsage,
+                "--accuracy");
     for (const char* gather : {"hemicube", "ray"}) {
         expectError(fmt::format("render scene.gltf --gather {} --gather-extent 2", gather),
                     ExitCode::kUsage, fmt::format("not an option of --gather {}", gather));
@@ -274,8 +280,8 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
     const Json json = Json::parse(run.out);
     for (const char* key :
          {"method", "size", "threads", "records", "seconds", "pixels_uncovered", "nonfinite_pixels",
-          "negative_pixels", "estimated_rel_rmse", "diffuse_share", "too_glossy_share", "sh_order",
-          "gl_renderer", "mrays_per_second"}) {
+          "negative_pixels", "estimated_rel_rmse", "accuracy", "gather_size", "passes",
+          "diffuse_share", "too_glossy_share", "sh_order", "gl_renderer", "mrays_per_second"}) {
         EXPECT_TRUE(json.contains(key)) << key;
     }
     for (const char* key : {"total", "load", "gbuffer", "shadow", "placement", "gather", "project",
@@ -285,6 +291,23 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
     EXPECT_EQ(json["size"], Json::array({16, 12}));
     EXPECT_EQ(json["threads"], 1);
     EXPECT_GT(json["seconds"]["total"].get<double>(), 0.0);
+}
+
+TEST_F(CliTest, aTargetErrorIsReachedOrMissedAloud) {
+    const char* const render = "render scene.gltf --size 24x16 -o a.exr --json a.json";
+    const Outcome reached = call(fmt::format("{} --target-error 0.5", render));
+    ASSERT_EQ(reached.code, 0) << reached.err;
+    EXPECT_EQ(reached.err, "");
+    Json json = Json::parse(textOf(file("a.json")));
+    EXPECT_LE(json["estimated_rel_rmse"].get<double>(), 0.5);
+    EXPECT_EQ(json["passes"], 1);
+
+    const Outcome missed = call(fmt::format("{} --gather-size 8 --target-error 0.002", render));
+    ASSERT_EQ(missed.code, 0) << missed.err;
+    json = Json::parse(textOf(file("a.json")));
+    const bool reported = missed.err.find("--target-error 0.002") != std::string::npos;
+    EXPECT_EQ(reported, json["estimated_rel_rmse"].get<double>() > 0.002);
+    EXPECT_GT(json["passes"].get<int>(), 1);
 }
 
 TEST_F(CliTest, everyWayToGatherRenders) {

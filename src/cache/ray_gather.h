@@ -13,11 +13,12 @@
 namespace sheen {
 
 /// Gathers on all threads; the results do not depend on how many there are. Which places the rays
-/// take depends on how many records were gathered before. The caster must outlive it.
+/// take depends on how many records were gathered before. The caster and
+/// the cells must outlive it.
 class RayGatherer {
   public:
-    RayGatherer(const RayCaster& rays, const HemisphereParams& params)
-        : rays_(rays), cells_(rays), hemisphere_(makeHemisphere(params)) {}
+    RayGatherer(const RayCaster& rays, const LightCells& cells, const HemisphereParams& params)
+        : rays_(rays), cells_(cells), hemisphere_(makeHemisphere(params)) {}
 
     /// One result a site, in order.
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites);
@@ -29,7 +30,7 @@ class RayGatherer {
     std::vector<vec4> see(const RecordSite& site, uint32_t index) const;
 
     const RayCaster& rays_;
-    LightCells cells_;
+    const LightCells& cells_;
     Hemisphere hemisphere_;
     ProjectionMatrices projections_;
     uint32_t gathered_ = 0;

@@ -98,10 +98,19 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
         o.limited.push_back({option, std::move(methods)});
         return option;
     };
-    limited(app.add_option("--accuracy", p.placement.accuracy,
-                           "radiance, irradiance: largest error of a record's reuse, smaller is "
-                           "better and slower")
-                ->check(numberIn(0.01, 2)),
+    CLI::Option* accuracy = limited(
+        app.add_option("--accuracy", p.placement.accuracy,
+                       "radiance, irradiance: largest error of a record's reuse, smaller is "
+                       "better and slower")
+            ->check(numberIn(0.01, 2)),
+        cached);
+    limited(app.add_option("--target-error", p.target_error,
+                           "radiance, irradiance: render again at finer accuracies until the "
+                           "estimated relative error of the indirect light is at most this, "
+                           "0.002..0.5")
+                ->check(numberIn(0.002, 0.5))
+                ->excludes(accuracy)
+                ->default_str(""),
             cached);
     limited(app.add_option("--sh-order", o.sh_order,
                            "radiance: order of the spherical harmonics, 2..10, or auto: by "
@@ -115,9 +124,11 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                 ->check(CLI::IsMember(keysOf(kGathers))),
             cached);
     limited(app.add_option("--gather-size", p.gather.size,
-                           "radiance, irradiance: texels along a side of that plane")
+                           "radiance, irradiance: texels along a side of that plane; default: "
+                           "by the accuracy, 34 at 0.5")
                 ->check(numberIn(8, 512)),
-            cached);
+            cached)
+        ->default_str("");
     o.extent_option = limited(app.add_option("--gather-extent", p.gather.extent,
                                              "radiance, irradiance: half-width of that plane at "
                                              "distance 1; not for a hemicube")
@@ -206,6 +217,9 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"nonfinite_pixels", stats.nonfinite_pixels},
                  {"negative_pixels", stats.negative_pixels},
                  {"estimated_rel_rmse", stats.estimated_rel_rmse},
+                 {"accuracy", stats.accuracy},
+                 {"gather_size", stats.gather_size},
+                 {"passes", stats.passes},
                  {"diffuse_share", stats.diffuse_share},
                  {"too_glossy_share", stats.too_glossy_share},
                  {"sh_order", shOrders(stats.sh_order)},
@@ -245,6 +259,9 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
                    stats.pixels_uncovered, stats.pixels_geometry);
         fmt::print("estimate  rel_rmse of the indirect light {:.1f}%\n",
                    100 * stats.estimated_rel_rmse);
+        if (o.params.target_error > 0.0) {
+            fmt::print("accuracy  {:.3g}, found in {} passes\n", stats.accuracy, stats.passes);
+        }
         fmt::print("pixels    diffuse {:.1f}%, too glossy for the cache {:.1f}%\n",
                    100.0 * stats.diffuse_share, 100.0 * stats.too_glossy_share);
         fmt::print("materials {}\n", orderSummary(stats.sh_order));
@@ -298,6 +315,12 @@ ExitCode runRender(RenderOptions& o) {
     result.stats.seconds.total = total.seconds();
     if (result.stats.nonfinite_pixels > 0) {
         warn(fmt::format("{}: {} pixels are not finite", o.output, result.stats.nonfinite_pixels));
+    }
+    if (o.params.target_error > 0.0 && result.stats.estimated_rel_rmse > o.params.target_error) {
+        warn(
+            fmt::format("--target-error {}: the estimate stays at {:.3g} and finer records would "
+                        "not lower it by much",
+                        o.params.target_error, result.stats.estimated_rel_rmse));
     }
     writeJson(o.json, statsJson(o, result.stats));
     if (wantsText(o.json)) {

@@ -56,51 +56,43 @@ std::vector<MaterialOrder> nameOrders(const Scene& scene, const std::vector<int>
     return named;
 }
 
-// Places records with a gatherer of either kind, and says how long each part took.
-template <class G>
-Placement placeWith(G& gatherer, const Scene& scene, const GBuffer& gbuffer,
-                    const PixelClasses& classes, const PixelLobes& lobes,
-                    const RenderParams& params, StageSeconds& seconds) {
-    const Timer timer;
-    Placement placement = placeRecords(
-        scene, gbuffer, classes, lobes, params.placement,
-        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, params.quiet);
-    seconds.gather += gatherer.seconds().see;
-    seconds.project += gatherer.seconds().project;
-    seconds.placement += timer.seconds() - gatherer.seconds().see - gatherer.seconds().project;
-    return placement;
-}
-
-// scene -> raster (shadow maps, G-buffer) -> classes -> rays where the cache cannot follow ->
-// placement, which gathers and projects -> splat -> compose.
-RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
-    const bool irradiance_only = params.method == Method::kIrradiance;
-    const Camera& camera = findCamera(scene, params.camera);
-    RenderResult result;
-    StageSeconds& seconds = result.stats.seconds;
-
-    const bool by_rays = params.gather_road == GatherRoad::kRays;
-
-    // Only the raster gather draws with more than one context.
-    gl::WorkerPool pool(by_rays ? 1 : threadCount());
-    result.stats.gl_renderer = pool.renderer();
-
-    Timer shadow_timer;
+// What does not depend on the records.
+struct Stage {
+    gl::WorkerPool pool;
     GpuScene gpu;
+    GBuffer gbuffer;
+    PixelClasses classes;
+    PixelLobes lobes;
+    std::optional<RayCaster> rays;
+    std::optional<LightCells> cells;
+    Image<vec3> traced;  // what pixels reflect that are too glossy for the cache
+
+    Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds);
+    ~Stage() {
+        pool.runOnFirst([this] { gpu = {}; });
+    }
+};
+
+// scene -> raster (shadow maps, G-buffer) -> classes -> rays where the cache cannot follow -> light
+// on surfaces, for records to see.
+Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds)
+    // Only the raster gather draws with more than one context.
+    : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount()),
+      traced(params.width, params.height) {
+    const bool by_rays = params.gather_road == GatherRoad::kRays;
+    const Timer shadow_timer;
     pool.runOnFirst([&] { gpu = uploadScene(scene); });
     renderShadowMaps(pool, scene, gpu);
     seconds.shadow = shadow_timer.seconds();
 
-    Timer gbuffer_timer;
-    const GBuffer gbuffer = renderGBuffer(pool, scene, gpu, camera, params.width, params.height);
-    const PixelClasses classes = classifyPixels(scene, gbuffer, params.sh_order, irradiance_only);
-    const PixelLobes lobes = buildLobes(gbuffer, classes);
+    const Timer gbuffer_timer;
+    gbuffer = renderGBuffer(pool, scene, gpu, findCamera(scene, params.camera), params.width,
+                            params.height);
+    classes = classifyPixels(scene, gbuffer, params.sh_order, params.method == Method::kIrradiance);
+    lobes = buildLobes(gbuffer, classes);
     seconds.gbuffer = gbuffer_timer.seconds();
 
-    Placement placement;
-    Image<vec3> traced(params.width, params.height);
-    Timer gather_timer;
-    std::optional<RayCaster> rays;
+    const Timer gather_timer;
     if (by_rays || classes.too_glossy > 0) {
         rays.emplace(scene);
     }
@@ -108,44 +100,120 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
         traced = gatherSpecular(*rays, scene, gbuffer, classes);
     }
     if (by_rays) {
-        RayGatherer gatherer(*rays, params.gather);
-        seconds.gather = gather_timer.seconds();
-        placement = placeWith(gatherer, scene, gbuffer, classes, lobes, params, seconds);
+        cells.emplace(*rays);
     } else {
         lightSurfaces(pool, gpu);
-        RasterGatherer gatherer(pool, scene, gpu, params.gather);
-        seconds.gather = gather_timer.seconds();
-        placement = placeWith(gatherer, scene, gbuffer, classes, lobes, params, seconds);
     }
+    seconds.gather = gather_timer.seconds();
+}
 
-    Timer splat_timer;
-    const SplatBuffer splat =
-        splatGpu(pool, gbuffer, classes, lobes, placement.cache, params.placement.servingWeight());
-    seconds.splat = splat_timer.seconds();
+// Places records with a gatherer of either kind, and adds how long each part took.
+template <class G>
+Placement placeWith(G gatherer, const Scene& scene, const Stage& stage,
+                    const PlacementParams& params, bool quiet, StageSeconds& seconds) {
+    const Timer timer;
+    Placement placement = placeRecords(
+        scene, stage.gbuffer, stage.classes, stage.lobes, params,
+        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, quiet);
+    seconds.gather += gatherer.seconds().see;
+    seconds.project += gatherer.seconds().project;
+    seconds.placement += timer.seconds() - gatherer.seconds().see - gatherer.seconds().project;
+    return placement;
+}
 
-    Timer compose_timer;
-    const ComposeCounts counts =
-        compose(gbuffer, classes, lobes, splat, traced, irradiance_only, result.frame);
-    result.stats.estimated_rel_rmse =
-        estimateRelRmse(gbuffer, classes, lobes, placement, params.placement.servingWeight(),
+// A gather's noise falls with its rays, and the other errors with the accuracy: both together.
+int gatherSize(const RenderParams& params, float accuracy) {
+    constexpr float kTexelsAtOne = 24.0f;
+    return params.gather.size > 0
+               ? params.gather.size
+               : static_cast<int>(std::lround(kTexelsAtOne / std::sqrt(accuracy)));
+}
+
+// placement, which gathers and projects -> splat -> compose.
+void renderPass(const Scene& scene, const RenderParams& params, float accuracy, Stage& stage,
+                RenderResult& result) {
+    StageSeconds& seconds = result.stats.seconds;
+    const bool irradiance_only = params.method == Method::kIrradiance;
+    PlacementParams how = params.placement;
+    how.accuracy = accuracy;
+    HemisphereParams hemisphere = params.gather;
+    hemisphere.size = gatherSize(params, accuracy);
+
+    const Placement placement =
+        stage.cells ? placeWith(RayGatherer(*stage.rays, *stage.cells, hemisphere), scene, stage,
+                                how, params.quiet, seconds)
+                    : placeWith(RasterGatherer(stage.pool, scene, stage.gpu, hemisphere), scene,
+                                stage, how, params.quiet, seconds);
+
+    const Timer splat_timer;
+    const SplatBuffer splat = splatGpu(stage.pool, stage.gbuffer, stage.classes, stage.lobes,
+                                       placement.cache, how.servingWeight());
+    seconds.splat += splat_timer.seconds();
+
+    const Timer compose_timer;
+    const ComposeCounts counts = compose(stage.gbuffer, stage.classes, stage.lobes, splat,
+                                         stage.traced, irradiance_only, result.frame);
+    const double estimate =
+        estimateRelRmse(stage.gbuffer, stage.classes, stage.lobes, placement, how.servingWeight(),
                         irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
     if (params.all_layers) {
         result.frame.records =
-            countRecords(gbuffer, classes, placement.cache, params.placement.servingWeight());
+            countRecords(stage.gbuffer, stage.classes, placement.cache, how.servingWeight());
     }
-    pool.runOnFirst([&] { gpu = {}; });
-    countPixels(result);
-    seconds.compose = compose_timer.seconds();
+    seconds.compose += compose_timer.seconds();
 
     RenderStats& stats = result.stats;
     stats.records = static_cast<int>(placement.cache.records.size());
+    stats.estimated_rel_rmse = estimate;
+    stats.accuracy = accuracy;
+    stats.gather_size = hemisphere.size;
+    stats.passes += 1;
     stats.pixels_uncovered = placement.uncovered;
-    stats.nonfinite_pixels += counts.nonfinite;
+    stats.nonfinite_pixels = counts.nonfinite;
     stats.negative_pixels = counts.negative;
-    const double geometry = std::max(classes.geometry, 1);
-    stats.diffuse_share = classes.diffuse / geometry;
-    stats.too_glossy_share = classes.too_glossy / geometry;
-    stats.sh_order = nameOrders(scene, classes.material_orders);
+}
+
+// Renders at finer and finer accuracies, until the estimate is at most the target or falls no more.
+void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage,
+                    RenderResult& result) {
+    constexpr float kFirst = 1.0f;
+    constexpr float kFinest = 0.03f;
+    // The error falls like this power of the accuracy, until what records do not cause is left:
+    // from the first pass on its power is then small (docs/decisions.md).
+    constexpr double kUsualPower = 0.7;
+    constexpr double kLeastPower = 0.25;
+    constexpr double kStep = 1.0 / 3.0;  // five times as long: what is spent on the way is small
+    constexpr double kMargin = 0.85;     // a pass that just misses is lost
+    double first_estimate = 0.0;
+    for (float accuracy = kFirst;;) {
+        renderPass(scene, params, accuracy, stage, result);
+        const double estimate = result.stats.estimated_rel_rmse;
+        first_estimate = accuracy == kFirst ? estimate : first_estimate;
+        const bool falls = accuracy == kFirst ||
+                           estimate < first_estimate * std::pow(accuracy / kFirst, kLeastPower);
+        if (estimate <= params.target_error || accuracy <= kFinest || !falls) {
+            return;
+        }
+        const double factor = std::pow(kMargin * params.target_error / estimate, 1.0 / kUsualPower);
+        accuracy = std::max(accuracy * static_cast<float>(std::max(factor, kStep)), kFinest);
+    }
+}
+
+RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
+    RenderResult result;
+    RenderStats& stats = result.stats;
+    Stage stage(scene, params, stats.seconds);
+    if (params.target_error > 0.0) {
+        renderToTarget(scene, params, stage, result);
+    } else {
+        renderPass(scene, params, params.placement.accuracy, stage, result);
+    }
+    countPixels(result);
+    stats.gl_renderer = stage.pool.renderer();
+    const double geometry = std::max(stage.classes.geometry, 1);
+    stats.diffuse_share = stage.classes.diffuse / geometry;
+    stats.too_glossy_share = stage.classes.too_glossy / geometry;
+    stats.sh_order = nameOrders(scene, stage.classes.material_orders);
     return result;
 }
 

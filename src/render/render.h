@@ -25,9 +25,12 @@ struct RenderParams {
     std::string camera;  ///< name or index; empty: the scene's first
     // The cached methods.
     PlacementParams placement;
+    /// Above 0: the accuracy is lowered from 1, in several passes, until the image's error is
+    /// estimated to be at most this; placement.accuracy is not used.
+    double target_error = 0;
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;
-    HemisphereParams gather;
+    HemisphereParams gather{.size = 0};  ///< size 0: by the accuracy
     // The reference.
     int bounces = 1;
     int spp = 256;  ///< rays a pixel, over all replicates
@@ -42,7 +45,8 @@ struct MaterialOrder {
     int order = 0;
 };
 
-/// Wall-clock seconds of each stage. `total` and `write` are filled in by the program.
+/// Wall-clock seconds of each stage, over all passes. `total` and `write` are filled in by the
+/// program.
 struct StageSeconds {
     double total = 0, load = 0, gbuffer = 0, shadow = 0, placement = 0, gather = 0, project = 0,
            splat = 0, compose = 0, trace = 0, write = 0;
@@ -58,6 +62,9 @@ struct RenderStats {
     int negative_pixels = 0;  ///< clamped at compose
     /// Of the indirect layer, as the records tell (estimateRelRmse()); 0 for the reference.
     double estimated_rel_rmse = 0;
+    float accuracy = 0;           ///< that the frame was rendered with; 0 for the reference
+    int gather_size = 0;          ///< likewise
+    int passes = 0;               ///< that a target error took; else 1
     double diffuse_share = 0;     ///< of pixels_geometry, classified as diffuse
     double too_glossy_share = 0;  ///< of pixels_geometry, smoother than the highest order resolves
     std::vector<MaterialOrder> sh_order;
