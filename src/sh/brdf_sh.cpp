@@ -18,7 +18,7 @@ static_assert(sizeof(kTable) == sizeof(float) * kStride * kBrdfShMu * kBrdfShRou
 
 // Typical amplitude of indirect light's coefficients in band l, relative to what constant light has
 // in band 0: measured on records of the project's scenes (docs/decisions.md).
-float lightAmplitude(int l) { return std::pow(static_cast<float>(l + 1), -1.3f); }
+float lightAmplitude(int l) { return 1.0f / static_cast<float>(l + 1); }
 
 }  // namespace
 
