@@ -248,11 +248,11 @@ class Report {
             head.push_back(scene->name);
             csv += "," + scene->name;
         }
-        head.emplace_back("(l + 1)^-1.3");
+        head.emplace_back("1 / (l + 1)");
         Table table(head);
         csv += "\n";
         for (int l = 0; l < shared::SH_MAX_ORDER; ++l) {
-            const double model = std::pow(l + 1.0, -1.3);
+            const double model = 1.0 / (l + 1.0);
             std::vector<std::string> row = {std::to_string(l)};
             csv += fmt::format("{},{}", l, model);
             for (const Sums& s : sums_) {
@@ -275,7 +275,7 @@ class Report {
             }
             row.push_back(fmt::format("{:.2f}", xy / xx));
         }
-        row.emplace_back("-1.30");
+        row.emplace_back("-1.00");
         table.add(row);
         output.write("sh_bands.csv", csv);
         output.write("sh_bands.md", table.text());
