@@ -2,13 +2,11 @@
 
 #include <png.h>
 
-#include <vector>
-
 #include "image/atomic_file.h"
 
 namespace sheen {
 
-void writePng(const std::string& path, const Image<Rgb8>& image) {
+std::string pngBytes(const Image<Rgb8>& image) {
     static_assert(sizeof(Rgb8) == 3, "rows are handed to libpng as they are");
     SHEEN_CHECK(!image.empty());
     png_image png{};
@@ -17,13 +15,18 @@ void writePng(const std::string& path, const Image<Rgb8>& image) {
     png.height = static_cast<png_uint_32>(image.height);
     png.format = PNG_FORMAT_RGB;
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
-    std::vector<char> bytes(size);
-    AtomicFile file(path);
+    std::string bytes(size, '\0');
     if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) ==
         0) {
-        throwEnvironment("{}: cannot write: {}", path, png.message);
+        throwEnvironment("cannot encode a PNG image: {}", png.message);
     }
-    file.write(bytes.data(), size);
+    bytes.resize(size);
+    return bytes;
+}
+
+void writePng(const std::string& path, const Image<Rgb8>& image) {
+    AtomicFile file(path);
+    file.write(pngBytes(image));
     file.commit();
 }
 
