@@ -1,6 +1,6 @@
-// Error against time of every method, measured: what `sheen chart` does before it writes its report.
-// Each point is a whole `sheen render`, run as a child process as a user runs it. What was measured
-// is kept in the chart's folder, so that an interrupted chart continues where it was.
+// Error against time of every method, measured: what `sheen chart` does before it writes its
+// report. Each point is a whole `sheen render`, run as a child process as a user runs it. What was
+// measured is kept in the chart's folder, so that an interrupted chart continues where it was.
 #pragma once
 
 #include <span>
@@ -38,6 +38,9 @@ struct ChartHost {
     int threads = 0;
 };
 
+/// What the report puts into the chart's folder.
+constexpr const char* kReportFiles[] = {"chart.html", "chart.csv", "chart.json"};
+
 /// What it took to render a point.
 struct Measurement {
     ChartHost host;
@@ -46,10 +49,11 @@ struct Measurement {
     /// The first run ever, with Mesa's shader cache empty; negative where it was not measured:
     /// it is for each method's first setting, since shaders do not depend on the setting.
     double cold_seconds = -1;
-    /// Of the median run, in the order they ran; "other" is start-up, exit and what no stage counts.
+    /// Of the median run, in the order they ran; "other" is start-up, exit and what no stage
+    /// counts.
     std::vector<std::pair<std::string, double>> stages;
-    int records = 0;            ///< 0 for a method without
-    std::string gl_renderer;    ///< empty for a method without
+    int records = 0;          ///< 0 for a method without
+    std::string gl_renderer;  ///< empty for a method without
 };
 
 struct ChartPoint {

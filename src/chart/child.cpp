@@ -75,8 +75,7 @@ std::vector<std::string> environmentWith(const std::vector<std::string>& added) 
 
 // Reads both pipes until the child has closed them; in turns, since a full pipe would block it.
 void readBoth(Pipe& first, std::string& first_text, Pipe& second, std::string& second_text) {
-    std::array<pollfd, 2> polled = {
-        {{first.readEnd(), POLLIN, 0}, {second.readEnd(), POLLIN, 0}}};
+    std::array<pollfd, 2> polled = {{{first.readEnd(), POLLIN, 0}, {second.readEnd(), POLLIN, 0}}};
     const std::array<std::string*, 2> texts = {&first_text, &second_text};
     std::array<char, 65536> buffer{};
     while (polled[0].fd >= 0 || polled[1].fd >= 0) {

@@ -127,8 +127,11 @@ bool isReadable(const fs::path& exr, int width, int height) {
 class Sweep {
   public:
     explicit Sweep(const ChartParams& params)
-        : params_(params), root_(params.folder), points_(root_ / "points"),
-          references_(root_ / "references"), shader_cache_(root_ / "shader_cache"),
+        : params_(params),
+          root_(params.folder),
+          points_(root_ / "points"),
+          references_(root_ / "references"),
+          shader_cache_(root_ / "shader_cache"),
           scenes_(nameScenes(params.scenes)) {}
 
     Chart run() {
@@ -139,6 +142,9 @@ class Sweep {
         for (const fs::path& folder : {root_, points_, references_}) {
             makeFolder(folder);
             checkWritable((folder / "probe").string());
+        }
+        for (const char* file : kReportFiles) {
+            checkWritable((root_ / file).string());
         }
         host_ = {.version = params_.version,
                  .build = fileHash(params_.program),
@@ -200,14 +206,13 @@ class Sweep {
         ImageKey key = keyOf(s, {"reference", fmt::format("{}", params.spp)});
         key.gl.clear();  // traced without it
         const fs::path file =
-            references_ / fmt::format("{}.{}x{}.{}spp.{}", filePart(s), params.width,
-                                      params.height, params.spp, shortHash(key));
+            references_ / fmt::format("{}.{}x{}.{}spp.{}", filePart(s), params.width, params.height,
+                                      params.spp, shortHash(key));
         const fs::path exr = file.string() + ".exr", json = file.string() + ".json";
         scene.reference_file = fs::relative(exr, root_).string();
         const std::optional<std::string> text = readText(json.string());
         const std::optional<StoredPoint> stored = text ? parsePoint(*text) : std::nullopt;
-        if (stored && sameImage(stored->key, key) &&
-            isReadable(exr, params.width, params.height)) {
+        if (stored && sameImage(stored->key, key) && isReadable(exr, params.width, params.height)) {
             scene.reference_seconds = stored->measured.seconds;
             return;
         }

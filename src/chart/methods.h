@@ -14,10 +14,10 @@ struct SweepSetting {
 };
 
 struct SweepMethod {
-    std::string name;                   ///< of `sheen render --method`
-    std::string label;                  ///< in the report
-    std::vector<std::string> options;   ///< of `sheen render`, what is swept
-    std::vector<SweepSetting> settings; ///< from the fastest on; each has a value for each option
+    std::string name;                    ///< of `sheen render --method`
+    std::string label;                   ///< in the report
+    std::vector<std::string> options;    ///< of `sheen render`, what is swept
+    std::vector<SweepSetting> settings;  ///< from the fastest on; each has a value for each option
 };
 
 /// In the order of the report.

@@ -34,9 +34,12 @@ std::string_view embeddedText(std::string_view path) {
 
 // The figures of Comparison, under the names that `sheen compare` gives them.
 const std::vector<std::pair<const char*, double Comparison::*>> kErrors = {
-    {"rel_rmse", &Comparison::rel_rmse},      {"bias", &Comparison::bias},
-    {"median", &Comparison::median},          {"p99", &Comparison::p99},
-    {"max", &Comparison::max},                {"tile_max", &Comparison::tile_max},
+    {"rel_rmse", &Comparison::rel_rmse},
+    {"bias", &Comparison::bias},
+    {"median", &Comparison::median},
+    {"p99", &Comparison::p99},
+    {"max", &Comparison::max},
+    {"tile_max", &Comparison::tile_max},
     {"noise_share", &Comparison::noise_share}};
 
 // Those that the page draws, with a Pareto front each.
@@ -182,12 +185,6 @@ std::string pageData(const Chart& chart) {
     return escaped;
 }
 
-void writeText(const std::filesystem::path& path, const std::string& text) {
-    AtomicFile file(path.string());
-    file.write(text);
-    file.commit();
-}
-
 }  // namespace
 
 std::string base64(const std::string& bytes) {
@@ -210,8 +207,8 @@ std::string base64(const std::string& bytes) {
 
 std::string chartCsv(const Chart& chart) {
     const std::vector<std::string> stages = stageNames(chart);
-    std::vector<std::string> header = {"scene",        "camera", "method", "setting", "seconds",
-                                       "cold_seconds", "runs",   "records"};
+    std::vector<std::string> header = {"scene",   "camera",       "method", "setting",
+                                       "seconds", "cold_seconds", "runs",   "records"};
     for (const auto& [key, member] : kErrors) {
         header.push_back(key);
     }
@@ -272,10 +269,13 @@ std::string chartHtml(const Chart& chart) {
 }
 
 void writeReport(const std::string& folder, const Chart& chart) {
-    const std::filesystem::path root = folder;
-    writeText(root / "chart.csv", chartCsv(chart));
-    writeText(root / "chart.json", chartJson(chart));
-    writeText(root / "chart.html", chartHtml(chart));
+    const std::string texts[] = {chartHtml(chart), chartCsv(chart), chartJson(chart)};
+    static_assert(std::size(texts) == std::size(kReportFiles));
+    for (size_t i = 0; i < std::size(texts); ++i) {
+        AtomicFile file((std::filesystem::path(folder) / kReportFiles[i]).string());
+        file.write(texts[i]);
+        file.commit();
+    }
 }
 
 }  // namespace sheen

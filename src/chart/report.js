@@ -13,6 +13,7 @@ const MEANINGS = {
 };
 const SHAPES = ['circle', 'rect', 'triangle', 'rectRot', 'star', 'crossRot'];
 const REFERENCE = -1;  // in place of a point's index
+const still = location.hash === '#charts';  // the charts alone, to take a picture of
 
 const methodIndex = new Map(data.methods.map((method, i) => [method.name, i]));
 const methodColor = name => color('--method-' + methodIndex.get(name) % SHAPES.length);
@@ -126,7 +127,7 @@ function datasets(scene, sceneIndex) {
     const indices = scene.points.map((_, i) => i).filter(
         i => scene.points[i].method === method.name && drawable(scene.points[i], state.error));
     const paint = methodColor(method.name);
-    const chosen = i => sceneIndex === state.scene && (i === state.left || i === state.right);
+    const chosen = i => !still && sceneIndex === state.scene && (i === state.left || i === state.right);
     sets.push({
       label: method.label, order: 1, indices,
       data: indices.map(i => ({x: scene.points[i].seconds, y: 100 * scene.points[i].errors[state.error]})),
@@ -356,7 +357,7 @@ function drawStages() {
 }
 
 const COLUMNS = [
-  {name: 'scene', text: true, value: row => row.scene.name},
+  {name: 'scene', text: true, value: row => row.scene.name, key: row => row.s},
   {name: 'method', text: true, value: row => methodLabel(row.point.method)},
   {name: 'setting', text: true, value: row => row.point.setting, key: row => row.order},
   {name: 'wall time (s)', value: row => row.point.seconds},
@@ -442,7 +443,7 @@ function draw() {
 
 Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
 Chart.defaults.font.size = 12;
-document.body.classList.toggle('still', location.hash === '#charts');
+document.body.classList.toggle('still', still);
 writeCaption();
 writeLegend();
 data.scenes.forEach(makePanel);

@@ -22,8 +22,7 @@ std::string ownProgram() {
     std::error_code error;
     const std::filesystem::path path = std::filesystem::read_symlink("/proc/self/exe", error);
     if (error) {
-        throwEnvironment("/proc/self/exe: cannot find the program to measure: {}",
-                         error.message());
+        throwEnvironment("/proc/self/exe: cannot find the program to measure: {}", error.message());
     }
     return path.string();
 }
