@@ -52,13 +52,14 @@ function writeCaption() {
       builds.add(`${point.version} (build ${point.build.slice(0, 8)})`);
     }
   }
+  const runs = data.repeats > 1 ? `the median of up to ${data.repeats} runs` : 'one run';
   const noises = data.scenes.map(scene => `${scene.name} ${percent(scene.reference.noise_rel_rmse)}`);
   $('caption').textContent =
       `Measured by sheen ${[...builds].join(', ')} at ${data.size[0]} × ${data.size[1]} pixels on ` +
       `${data.cpu}, ${data.threads} thread${data.threads === 1 ? '' : 's'}` +
       (renderers.size ? `, ${[...renderers].join(', ')}` : '') + '. ' +
-      `Time is the wall clock of the whole command, from its start to the image on disk, the median of ` +
-      `up to ${data.repeats} runs with a warm shader cache. Errors are of the indirect light against ` +
+      `Time is the wall clock of the whole command, from its start to the image on disk, ${runs} ` +
+      `with a warm shader cache. Errors are of the indirect light against ` +
       `path-traced references of ${data.reference_spp} paths a pixel, independent of the charted ` +
       `path tracer. Their own noise: ${noises.join(', ')}.`;
 }
