@@ -67,7 +67,7 @@ function writeCaption() {
 // Marks of the legend are drawn as Chart.js draws the points.
 function writeLegend() {
   const NS = 'http://www.w3.org/2000/svg';
-  const mark = (shape, className, paint) => {
+  const mark = (shape, paint) => {
     const svg = document.createElementNS(NS, 'svg');
     svg.setAttribute('viewBox', '-11 -7 22 14');
     const path = document.createElementNS(NS, 'path');
@@ -90,12 +90,12 @@ function writeLegend() {
   for (const method of data.methods) {
     const paint = `fill:var(--method-${methodIndex.get(method.name) % SHAPES.length});` +
                   `stroke:var(--method-${methodIndex.get(method.name) % SHAPES.length});stroke-width:1.5`;
-    add(mark(SHAPE_PATHS[methodShape(method.name)], '', paint), method.label);
+    add(mark(SHAPE_PATHS[methodShape(method.name)], paint), method.label);
   }
-  add(mark('M-11 -5H0V5H11', '', 'fill:none;stroke:var(--front);stroke-width:3'), 'Pareto front');
-  add(mark(SHAPE_PATHS.circle, '', 'fill:none;stroke:var(--faint);stroke-width:1.5'),
+  add(mark('M-11 -5H0V5H11', 'fill:none;stroke:var(--front);stroke-width:3'), 'Pareto front');
+  add(mark(SHAPE_PATHS.circle, 'fill:none;stroke:var(--faint);stroke-width:1.5'),
       'hollow: error is mostly the reference’s noise; not on the front');
-  add(mark('M-11 0H11', '', 'fill:none;stroke:var(--faint);stroke-width:1.5;stroke-dasharray:2 3'),
+  add(mark('M-11 0H11', 'fill:none;stroke:var(--faint);stroke-width:1.5;stroke-dasharray:2 3'),
       'the reference’s own noise (rel_rmse)');
 }
 
