@@ -114,7 +114,8 @@ const char* const kReference = "render scene.gltf --method reference --size 16x1
 TEST_F(CliTest, versionAndHelp) {
     EXPECT_EQ(call("--version").code, 0);
     EXPECT_EQ(call("--version").out.rfind("sheen ", 0), 0u);
-    for (const char* arguments : {"--help", "render --help", "compare -h", "info --help"}) {
+    for (const char* arguments :
+         {"--help", "render --help", "compare -h", "info --help", "chart --help"}) {
         const Outcome run = call(arguments);
         EXPECT_EQ(run.code, 0) << arguments;
         EXPECT_NE(run.out.find("Usage: "), std::string::npos) << arguments;
@@ -377,6 +378,82 @@ TEST_F(CliTest, infoJson) {
     EXPECT_EQ(json["lights"][0]["kind"], "point");
     EXPECT_EQ(json["cameras"][0]["name"], "front");
     EXPECT_EQ(json["bounds"]["upper"], Json::array({4.0, 8.0, 4.0}));
+}
+
+TEST_F(CliTest, chartErrors) {
+    std::ofstream(file("text.glb")) << "this is no scene\n";
+    std::ofstream(file("taken")) << "a file\n";
+    fs::create_directory(file("charts"));
+    fs::create_directory(file("charts/chart.html"));
+    expectError("chart scene.gltf", ExitCode::kUsage, "--output is required");
+    expectError("chart -o new", ExitCode::kUsage, "SCENE is required");
+    expectError("chart scene.gltf -o new --methods radiance,magic", ExitCode::kUsage, "magic");
+    expectError("chart scene.gltf -o new --size 8", ExitCode::kUsage, "--size 8");
+    for (const char* option : {"--reference-spp 15", "--reference-spp many", "--repeats 0"}) {
+        expectError(fmt::format("chart scene.gltf -o new {}", option), ExitCode::kUsage, "--re");
+    }
+    expectError("chart scene.gltf ./scene.gltf -o new", ExitCode::kUsage, "given twice");
+    expectError("chart scene.gltf -o new --camera side", ExitCode::kUsage, "--camera side");
+    expectError("chart scene.gltf none.glb -o new", ExitCode::kInput, "none.glb");
+    expectError("chart scene.gltf text.glb -o new", ExitCode::kInput, "text.glb");
+    expectError("chart scene.gltf -o taken", ExitCode::kEnvironment, "taken");
+    expectError("chart scene.gltf -o taken/new", ExitCode::kEnvironment, "taken/new");
+    expectError("chart scene.gltf -o charts --size 8x8 --reference-spp 16", ExitCode::kEnvironment,
+                "chart.html");
+    EXPECT_TRUE(fs::is_empty(file("charts/references"))) << "found before the long work";
+}
+
+TEST_F(CliTest, chartOfASceneWithoutLight) {
+    std::string dark = kScene;
+    const std::string lamp = "\"intensity\": 20.0";
+    dark.replace(dark.find(lamp), lamp.size(), "\"intensity\": 0.0");
+    std::ofstream(file("dark.gltf")) << dark;
+    const Outcome run = call("chart dark.gltf -o new --size 8x8 --reference-spp 16");
+    EXPECT_EQ(run.code, 3) << run.err;
+    EXPECT_NE(run.err.find("error: dark.gltf: camera 'front' sees no indirect light"),
+              std::string::npos)
+        << run.err;
+    EXPECT_FALSE(fs::exists(file("new/chart.html")));
+}
+
+TEST_F(CliTest, chartWritesItsFiles) {
+    const std::string command =
+        "chart scene.gltf -o a/chart --methods reference --size 8x8 --reference-spp 32 --repeats 1";
+    const Outcome run = call(command);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.err.find("[3/3] scene, path tracer, spp 256"), std::string::npos) << run.err;
+    EXPECT_NE(run.out.find("wrote     a/chart/chart.html"), std::string::npos) << run.out;
+    for (const char* name : {"chart.html", "chart.csv", "chart.json"}) {
+        EXPECT_TRUE(fs::exists(folder_ / "a/chart" / name)) << name;
+    }
+    const Json json = Json::parse(textOf(file("a/chart/chart.json")));
+    EXPECT_EQ(json["scenes"][0]["points"].size(), 3u);
+    const Outcome again = call(command);
+    EXPECT_EQ(again.code, 0);
+    EXPECT_EQ(again.err, "3 of 3 points were measured before\n");
+    EXPECT_EQ(Json::parse(textOf(file("a/chart/chart.json"))), json);
+}
+
+TEST_F(CliTest, interruptedChartLeavesNoHalfFile) {
+    // The signal reaches the chart alone, which takes the render that it measures with it.
+    const std::string command = fmt::format(
+        "cd '{}' && timeout --foreground --signal=INT 2 '{}' chart scene.gltf -o chart "
+        "--methods reference --size 512x512 --reference-spp 16 --repeats 99 >/dev/null 2>&1 "
+        "</dev/null",
+        folder_.string(), SHEEN_PROGRAM);
+    EXPECT_NE(std::system(command.c_str()), 0);
+    const auto half_files = [this] {
+        int count = 0;
+        for (const auto& entry : fs::recursive_directory_iterator(folder_ / "chart")) {
+            count += entry.path().extension() == ".tmp" ? 1 : 0;
+        }
+        return count;
+    };
+    for (int i = 0; half_files() > 0 && i < 50; ++i) {
+        usleep(100000);  // the render ends by itself, a moment after the chart
+    }
+    EXPECT_EQ(half_files(), 0);
+    EXPECT_FALSE(fs::exists(file("chart/chart.html")));
 }
 
 // Two frames of 4 x 4 pixels: the reference 1 everywhere, the test 1.1; with `variance`.

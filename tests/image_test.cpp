@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -442,6 +443,29 @@ TEST_F(PngTest, roundTrip) {
               (std::vector<uint8_t>{255, 0, 0}));
     EXPECT_EQ(std::vector<uint8_t>(bytes.end() - 3, bytes.end()), (std::vector<uint8_t>{1, 2, 3}));
     EXPECT_EQ(fileCount(), 1);
+}
+
+TEST(PngBytes, fewColorsOrManyReadBackEqual) {
+    for (const int colors : {1, 2, 256, 257, 4000}) {
+        Image<Rgb8> image(80, 50);
+        for (int i = 0; i < image.count(); ++i) {
+            const int color = i % colors;
+            image.pixels[static_cast<size_t>(i)] = {static_cast<uint8_t>(color),
+                                                    static_cast<uint8_t>(color / 256), 7};
+        }
+        const std::string file = pngBytes(image);
+        png_image png{};
+        png.version = PNG_IMAGE_VERSION;
+        ASSERT_NE(png_image_begin_read_from_memory(&png, file.data(), file.size()), 0);
+        EXPECT_EQ((png.format & PNG_FORMAT_FLAG_COLORMAP) != 0, colors <= 256) << colors;
+        png.format = PNG_FORMAT_RGB;
+        std::vector<Rgb8> pixels(image.pixels.size());
+        ASSERT_EQ(PNG_IMAGE_SIZE(png), pixels.size() * sizeof(Rgb8));
+        ASSERT_NE(png_image_finish_read(&png, nullptr, pixels.data(), 0, nullptr), 0);
+        for (size_t i = 0; i < pixels.size(); ++i) {
+            ASSERT_EQ(std::memcmp(&pixels[i], &image.pixels[i], sizeof(Rgb8)), 0) << colors;
+        }
+    }
 }
 
 TEST_F(PngTest, frame) {

@@ -18,7 +18,7 @@ namespace sheen {
 enum class ErrorControl { kSplitSphere, kHessian };
 
 struct PlacementParams {
-    float accuracy = 0.5f;  ///< Ward's a
+    float accuracy = 0.4f;  ///< Ward's a
     ErrorControl control = ErrorControl::kHessian;
     float curvature = 0.4f;      ///< kHessian, times `accuracy`: relative error at the end of a
                                  ///< record's reach times that reach in pixels

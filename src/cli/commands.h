@@ -17,5 +17,6 @@ struct Command {
 Command addRender(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addInfo(CLI::App& program);
+Command addChart(CLI::App& program);
 
 }  // namespace sheen::cli

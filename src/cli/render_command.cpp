@@ -125,7 +125,7 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
             cached);
     limited(app.add_option("--gather-size", p.gather.size,
                            "radiance, irradiance: texels along a side of that plane; default: "
-                           "by the accuracy, 34 at 0.5")
+                           "by the accuracy, 38 at 0.4")
                 ->check(numberIn(8, 512)),
             cached)
         ->default_str("");

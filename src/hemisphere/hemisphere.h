@@ -22,7 +22,7 @@ enum class HemisphereKind { kBorder, kPlane, kLarsen, kHemicube };
 
 struct HemisphereParams {
     HemisphereKind kind = HemisphereKind::kHemicube;
-    int size = 34;        ///< texels along a side of the plane
+    int size = 38;        ///< texels along a side of the plane
     float extent = 3.0f;  ///< half-extent of the plane at distance 1; a hemicube's is always 1
 };
 

@@ -16,6 +16,9 @@ void writePng(const std::string& path, const Image<vec3>& image, std::optional<f
 /// The frame's beauty, see above.
 void writePng(const std::string& path, const Frame& frame, std::optional<float> exposure);
 
+/// Display values as they are, as the bytes of a PNG file; with a palette where 256 colours do.
+std::string pngBytes(const Image<Rgb8>& image);
+
 /// Writes display values as they are: charts, false colours.
 void writePng(const std::string& path, const Image<Rgb8>& image);
 

@@ -220,6 +220,7 @@ vec3 viridis(float t) {
 
 Image<vec3> heatmap(const CompareInput& input) {
     constexpr double kLowest = 1e-3;  // of three decades
+    constexpr double kSteps = 252;    // so few colours that a PNG needs a byte a pixel
     checkInput(input);
     const Sums all = sumAll(sumTiles(input));
     const double mean = all.samples > 0 ? all.meanReference() : 0.0;
@@ -236,7 +237,7 @@ Image<vec3> heatmap(const CompareInput& input) {
                 error += relativeError(input, x, y, c, mean) / 3.0;
             }
             const double t = std::log10(glm::clamp(error, kLowest, 1.0) / kLowest) / 3.0;
-            image.at(x, y) = viridis(static_cast<float>(t));
+            image.at(x, y) = viridis(static_cast<float>(std::round(t * kSteps) / kSteps));
         }
     }
     return image;

@@ -49,9 +49,9 @@ struct Comparison {
 Comparison compareImages(const CompareInput& input);
 
 /// Relative error of each pixel, mean over channels of |a-b| / (b + 1% of mean b), in false colour:
-/// viridis over the decades from 0.1% (dark violet) to 100% (yellow), both ends clamped. Excluded
-/// pixels are mid grey, pixels that see nothing black. sRGB-encoded display values in [0, 1].
-/// Errors as compareImages.
+/// viridis in 253 colours over the decades from 0.1% (dark violet) to 100% (yellow), both ends
+/// clamped. Excluded pixels are mid grey, pixels that see nothing black. sRGB-encoded display
+/// values in [0, 1]. Errors as compareImages.
 Image<vec3> heatmap(const CompareInput& input);
 
 /// The colour map viridis at t in [0, 1] (clamped), sRGB-encoded, within 0.02 of the original

@@ -1,0 +1,16 @@
+# Writes FILES (a ;-list) into OUTPUT as an array of C++ string literals in NAMESPACE: path and text
+# of each. Relative paths are seen from ROOT; a file given by its absolute path goes by its name.
+set(text "#include <string_view>\nnamespace ${NAMESPACE} {\nstruct EmbeddedFile { std::string_view path; std::string_view text; };\nextern const EmbeddedFile kEmbeddedFiles[];\nextern const int kEmbeddedFileCount;\nconst EmbeddedFile kEmbeddedFiles[] = {\n")
+foreach(file ${FILES})
+    set(path ${file})
+    if(IS_ABSOLUTE ${file})
+        get_filename_component(path ${file} NAME)
+    else()
+        set(file ${ROOT}/${file})
+    endif()
+    file(READ ${file} content)
+    string(APPEND text "{\"${path}\", R\"__file__(${content})__file__\"},\n")
+endforeach()
+list(LENGTH FILES count)
+string(APPEND text "};\nconst int kEmbeddedFileCount = ${count};\n}\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,121 @@
+// Error against time of every method, measured: what `sheen chart` does before it writes its
+// report. Each point is a whole `sheen render`, run as a child process as a user runs it. What was
+// measured is kept in the chart's folder, so that an interrupted chart continues where it was.
+#pragma once
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "chart/methods.h"
+#include "metrics/compare.h"
+
+namespace sheen {
+
+struct ChartParams {
+    std::vector<std::string> scenes;  ///< glTF files
+    std::string folder;               ///< made where it is missing
+    std::string program;              ///< the executable that renders: sheen's own
+    std::string version;
+    std::string camera;  ///< of every scene: name or index; empty: the first
+    int width = 512;
+    int height = 512;
+    std::vector<SweepMethod> methods = sweepMethods();
+    int reference_spp = 1024;
+    int repeats = 3;         ///< warm runs of a point that takes less than kEnoughSeconds / repeats
+    bool any_build = false;  ///< also use points that another build of the program measured
+};
+
+/// A point is run no more once its warm runs have taken this long in all: long runs vary little.
+constexpr double kEnoughSeconds = 60;
+
+/// Who measured: times of different builds or machines do not compare.
+struct ChartHost {
+    std::string version;
+    std::string build;  ///< hash of the executable
+    std::string cpu;    ///< model name
+    int threads = 0;
+};
+
+/// What the report puts into the chart's folder.
+constexpr const char* kReportFiles[] = {"chart.html", "chart.csv", "chart.json"};
+
+/// What it took to render a point.
+struct Measurement {
+    ChartHost host;
+    std::vector<double> runs;  ///< warm: wall-clock seconds of the whole command, as they came
+    double seconds = 0;        ///< their median
+    /// The first run ever, with Mesa's shader cache empty; negative where it was not measured:
+    /// it is for each method's first setting, since shaders do not depend on the setting.
+    double cold_seconds = -1;
+    /// Of the median run, in the order they ran; "other" is start-up, exit and what no stage
+    /// counts.
+    std::vector<std::pair<std::string, double>> stages;
+    int records = 0;          ///< 0 for a method without
+    std::string gl_renderer;  ///< empty for a method without
+};
+
+struct ChartPoint {
+    std::string method;   ///< SweepMethod::name
+    std::string setting;  ///< settingLabel()
+    std::string file;     ///< its EXR, relative to the folder
+    Measurement measured;
+    Comparison errors;  ///< of the layer `indirect`; not judged: see Comparison::judged
+    std::string image_png, heatmap_png;
+};
+
+struct ChartScene {
+    std::string name;  ///< the file's stem; as given where two scenes share it
+    std::string file;
+    std::string camera;  ///< name
+    std::string reference_file;
+    double reference_seconds = 0;
+    /// sqrt(mean variance) / mean of the reference: errors below are more its own noise than what
+    /// is measured.
+    double noise_rel_rmse = 0;
+    std::string reference_png;
+    std::vector<ChartPoint> points;  ///< by method, then from the fastest setting on
+};
+
+struct Chart {
+    ChartHost host;
+    int width = 0, height = 0;
+    int reference_spp = 0;
+    int repeats = 0;
+    std::vector<SweepMethod> methods;
+    std::vector<ChartScene> scenes;
+};
+
+/// Renders references and points that the folder does not hold yet, then judges all points. Prints
+/// a line for each point on stderr, with the time left. Usage error for a camera that a scene has
+/// not or a scene given twice; input error for a scene that cannot be read or that shows no
+/// indirect light; environment error where the folder cannot be written.
+Chart measureChart(const ChartParams& params);
+
+/// Fills in what `scene` says of its reference and its points' images: errors, and PNG images of
+/// the layer `indirect`, all at the exposure of the reference. Files are found in `folder`.
+/// Input error where the reference is black.
+void judgeScene(const std::string& folder, ChartScene& scene);
+
+/// Predicted and, once it is done, measured seconds of a run of one point.
+struct SweepJob {
+    size_t scene = 0;
+    double cost = 1;      ///< SweepSetting::cost
+    double seconds = -1;  ///< of one run; negative: not done
+};
+
+/// Seconds that the jobs not done will take, with all their runs, from how long those that are done
+/// took against their costs, in the same scene where there are any; negative where none is done.
+double secondsLeft(std::span<const SweepJob> jobs, int repeats);
+
+/// Indices of the points that no other beats, by growing time: none is as fast and as right, and
+/// better in one of the two. Equal points are all kept; a point whose time or error is not a
+/// positive finite number is not considered.
+struct TimeAndError {
+    double seconds = 0;
+    double error = 0;
+};
+std::vector<size_t> paretoFront(std::span<const TimeAndError> points);
+
+}  // namespace sheen

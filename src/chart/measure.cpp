@@ -1,0 +1,428 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "chart/chart.h"
+#include "chart/child.h"
+#include "chart/point_file.h"
+#include "core/parallel.h"
+#include "core/timer.h"
+#include "image/atomic_file.h"
+#include "image/exr.h"
+#include "render/render.h"
+
+namespace sheen {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The path tracer's points use seed 0: the judge's noise must be independent of theirs.
+constexpr uint32_t kReferenceSeed = 1;
+
+std::string cpuName() {
+    std::ifstream in("/proc/cpuinfo");
+    for (std::string line; std::getline(in, line);) {
+        const size_t colon = line.find(": ");
+        if (line.rfind("model name", 0) == 0 && colon != std::string::npos) {
+            return line.substr(colon + 2);
+        }
+    }
+    return "unknown processor";
+}
+
+std::string glBackend() {
+    const char* const backend = std::getenv("SHEEN_GL");
+    return backend == nullptr ? "" : backend;
+}
+
+void makeFolder(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) {
+        throwEnvironment("{}: cannot make this folder: {}", folder.string(), error.message());
+    }
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+    AtomicFile file(path.string());
+    file.write(text);
+    file.commit();
+}
+
+// What the sweep needs to know of a scene once its reference is rendered.
+struct SceneIdentity {
+    std::string hash;
+    int camera = 0;
+};
+
+// Hashes the scene, and tells its camera's name; warnings are printed here and nowhere else.
+SceneIdentity identify(const Scene& scene, const std::string& camera_option, ChartScene& chart) {
+    for (const std::string& warning : scene.warnings) {
+        warn(warning);
+    }
+    const Camera& camera = findCamera(scene, camera_option);
+    const int index = static_cast<int>(&camera - scene.cameras.data());
+    chart.camera = camera.name.empty() ? fmt::format("{}", index) : camera.name;
+    return {contentHash(scene), index};
+}
+
+// Stems, or whole names where two scenes share a stem.
+std::vector<ChartScene> nameScenes(const std::vector<std::string>& files) {
+    std::vector<ChartScene> scenes;
+    std::set<fs::path> seen;
+    std::multiset<std::string> stems;
+    for (const std::string& file : files) {
+        std::error_code ignored;
+        const fs::path canonical = fs::weakly_canonical(file, ignored);
+        if (!seen.insert(ignored ? fs::path(file) : canonical).second) {
+            throwUsage("{}: this scene is given twice", file);
+        }
+        stems.insert(fs::path(file).stem().string());
+    }
+    for (const std::string& file : files) {
+        const std::string stem = fs::path(file).stem().string();
+        ChartScene scene;
+        scene.name = stems.count(stem) > 1 ? file : stem;
+        scene.file = file;
+        scenes.push_back(scene);
+    }
+    return scenes;
+}
+
+std::string timeText(double seconds) {
+    if (seconds < 90) {
+        return fmt::format("{:.0f} s", seconds);
+    }
+    const int minutes = static_cast<int>(std::lround(seconds / 60));
+    return minutes < 90 ? fmt::format("{} min", minutes)
+                        : fmt::format("{} h {} min", minutes / 60, minutes % 60);
+}
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const size_t half = values.size() / 2;
+    return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+// How many warm runs a point gets of which one takes `seconds`.
+int plannedRuns(double seconds, int repeats) {
+    const double enough = std::ceil(kEnoughSeconds / std::max(seconds, 1e-3));
+    return static_cast<int>(std::clamp(enough, 1.0, static_cast<double>(repeats)));
+}
+
+bool isReadable(const fs::path& exr, int width, int height) {
+    try {
+        const LoadedExr image = readExr(exr.string());
+        colorLayer(image, "indirect");
+        return image.width == width && image.height == height && !image.primitive.empty();
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+// One chart in the making.
+class Sweep {
+  public:
+    explicit Sweep(const ChartParams& params)
+        : params_(params),
+          root_(params.folder),
+          points_(root_ / "points"),
+          references_(root_ / "references"),
+          shader_cache_(root_ / "shader_cache"),
+          scenes_(nameScenes(params.scenes)) {}
+
+    Chart run() {
+        // Everything that can be wrong is looked at before the long work.
+        for (ChartScene& scene : scenes_) {
+            identities_.push_back(identify(loadScene(scene.file), params_.camera, scene));
+        }
+        for (const fs::path& folder : {root_, points_, references_}) {
+            makeFolder(folder);
+            checkWritable((folder / "probe").string());
+        }
+        for (const char* file : kReportFiles) {
+            checkWritable((root_ / file).string());
+        }
+        host_ = {.version = params_.version,
+                 .build = fileHash(params_.program),
+                 .cpu = cpuName(),
+                 .threads = threadCount()};
+        for (size_t s = 0; s < scenes_.size(); ++s) {
+            findReference(s);
+            judgeScene(params_.folder, scenes_[s]);  // a black reference is found here
+        }
+        measurePoints();
+        for (ChartScene& scene : scenes_) {
+            judgeScene(params_.folder, scene);
+        }
+        return {.host = host_,
+                .width = params_.width,
+                .height = params_.height,
+                .reference_spp = params_.reference_spp,
+                .repeats = params_.repeats,
+                .methods = params_.methods,
+                .scenes = std::move(scenes_)};
+    }
+
+  private:
+    // A point to be measured or already stored.
+    struct Task {
+        size_t scene = 0;
+        const SweepMethod* method = nullptr;
+        const SweepSetting* setting = nullptr;
+        bool first = false;  ///< of its method in its scene
+        ImageKey key;
+        fs::path file;  ///< without its extension
+        std::optional<StoredPoint> stored;
+    };
+
+    ImageKey keyOf(size_t scene, const std::vector<std::string>& arguments) const {
+        return {.scene = identities_[scene].hash,
+                .camera = identities_[scene].camera,
+                .width = params_.width,
+                .height = params_.height,
+                .arguments = arguments,
+                .gl = glBackend()};
+    }
+
+    std::string filePart(size_t scene) const {
+        return fileNamePart(fs::path(scenes_[scene].file).stem().string());
+    }
+
+    // Takes the stored reference, or renders it. The file's name tells what it shows, and its
+    // variance that it is one.
+    void findReference(size_t s) {
+        ChartScene& scene = scenes_[s];
+        RenderParams params;
+        params.method = Method::kReference;
+        params.width = params_.width;
+        params.height = params_.height;
+        params.camera = params_.camera;
+        params.spp = params_.reference_spp;
+        params.seed = kReferenceSeed;
+        ImageKey key = keyOf(s, {"reference", fmt::format("{}", params.spp)});
+        key.gl.clear();  // traced without it
+        const fs::path file =
+            references_ / fmt::format("{}.{}x{}.{}spp.{}", filePart(s), params.width, params.height,
+                                      params.spp, shortHash(key));
+        const fs::path exr = file.string() + ".exr", json = file.string() + ".json";
+        scene.reference_file = fs::relative(exr, root_).string();
+        const std::optional<std::string> text = readText(json.string());
+        const std::optional<StoredPoint> stored = text ? parsePoint(*text) : std::nullopt;
+        if (stored && sameImage(stored->key, key) && isReadable(exr, params.width, params.height)) {
+            scene.reference_seconds = stored->measured.seconds;
+            return;
+        }
+        fmt::print(stderr, "reference {} of {}: {}, {} paths a pixel\n", s + 1, scenes_.size(),
+                   scene.name, params.spp);
+        const Timer timer;
+        const RenderResult result = renderFrame(loadScene(scene.file), params);
+        writeExr(exr.string(), result.frame, ExrLayers::kBasic);
+        scene.reference_seconds = timer.seconds();
+        StoredPoint point = {.key = key, .repeats = 1, .measured = {}};
+        point.measured.host = host_;
+        point.measured.seconds = scene.reference_seconds;
+        point.measured.runs = {scene.reference_seconds};
+        writeText(json, jsonText(point));
+    }
+
+    std::vector<Task> listTasks() const {
+        std::vector<Task> tasks;
+        for (size_t s = 0; s < scenes_.size(); ++s) {
+            for (const SweepMethod& method : params_.methods) {
+                for (const SweepSetting& setting : method.settings) {
+                    Task task = {.scene = s,
+                                 .method = &method,
+                                 .setting = &setting,
+                                 .first = &setting == &method.settings.front(),
+                                 .key = keyOf(s, settingArguments(method, setting)),
+                                 .file = {},
+                                 .stored = {}};
+                    task.file = points_ / fmt::format("{}.{}.{}", filePart(s), method.name,
+                                                      shortHash(task.key));
+                    task.stored = findStored(task);
+                    tasks.push_back(std::move(task));
+                }
+            }
+        }
+        return tasks;
+    }
+
+    std::optional<StoredPoint> findStored(const Task& task) const {
+        const std::string json = task.file.string() + ".json";
+        const std::optional<std::string> text = readText(json);
+        if (!text) {
+            return std::nullopt;
+        }
+        std::optional<StoredPoint> point = parsePoint(*text);
+        if (!point || !isReadable(task.file.string() + ".exr", params_.width, params_.height)) {
+            warn(fmt::format("{}: damaged; measuring this point again", json));
+            return std::nullopt;
+        }
+        const ChartHost& host = point->measured.host;
+        const bool same_build =
+            params_.any_build || (host.version == host_.version && host.build == host_.build);
+        const bool same_machine = host.cpu == host_.cpu && host.threads == host_.threads;
+        const bool fits = same_build && same_machine && sameImage(point->key, task.key) &&
+                          point->repeats >= params_.repeats;
+        return fits ? std::move(point) : std::nullopt;
+    }
+
+    void measurePoints() {
+        std::vector<Task> tasks = listTasks();
+        std::vector<SweepJob> jobs;
+        size_t done = 0;
+        for (const Task& task : tasks) {
+            done += task.stored ? 1 : 0;
+            jobs.push_back({.scene = task.scene,
+                            .cost = task.setting->cost,
+                            .seconds = task.stored ? task.stored->measured.seconds : -1});
+        }
+        if (done > 0) {
+            fmt::print(stderr, "{} of {} points were measured before\n", done, tasks.size());
+        }
+        const Task* warmed = nullptr;
+        for (size_t i = 0; i < tasks.size(); ++i) {
+            Task& task = tasks[i];
+            if (!task.stored) {
+                const bool cold = warmed == nullptr || warmed->scene != task.scene ||
+                                  warmed->method != task.method;
+                measure(task, cold);
+                warmed = &task;
+                jobs[i].seconds = task.stored->measured.seconds;
+                ++done;
+                const double left = secondsLeft(jobs, params_.repeats);
+                fmt::print(stderr, "[{}/{}] {}, {}, {}: {:.2f} s{}\n", done, tasks.size(),
+                           scenes_[task.scene].name, task.method->label,
+                           settingLabel(*task.method, *task.setting), jobs[i].seconds,
+                           done == tasks.size() ? "" : "; about " + timeText(left) + " left");
+            }
+            scenes_[task.scene].points.push_back(
+                {.method = task.method->name,
+                 .setting = settingLabel(*task.method, *task.setting),
+                 .file = fs::relative(task.file.string() + ".exr", root_).string(),
+                 .measured = task.stored->measured,
+                 .errors = {},
+                 .image_png = {},
+                 .heatmap_png = {}});
+        }
+        std::error_code ignored;
+        fs::remove_all(shader_cache_, ignored);
+    }
+
+    std::vector<std::string> commandOf(const Task& task, const SweepSetting& setting,
+                                       const std::string& output) const {
+        std::vector<std::string> command = {params_.program, "render", scenes_[task.scene].file};
+        for (const std::string& argument : settingArguments(*task.method, setting)) {
+            command.push_back(argument);
+        }
+        for (const std::string& argument :
+             {std::string("--size"), fmt::format("{}x{}", params_.width, params_.height),
+              std::string("-o"), output, std::string("--json"), std::string("-")}) {
+            command.push_back(argument);
+        }
+        if (!params_.camera.empty()) {
+            command.insert(command.end(), {"--camera", params_.camera});
+        }
+        return command;
+    }
+
+    // Measures a point and stores it. `cold`: nothing of this method and scene has run in this
+    // sweep, so that its shaders must be compiled first: a run of the first setting with an empty
+    // cache of their own, which leaves the user's alone, does that, and is itself a figure.
+    void measure(Task& task, bool cold) {
+        const std::string exr = task.file.string() + ".exr";
+        const std::vector<std::string> variables = {"MESA_SHADER_CACHE_DIR=" +
+                                                    fs::absolute(shader_cache_).string()};
+        Measurement measured;
+        measured.host = host_;
+        if (cold) {
+            std::error_code ignored;
+            fs::remove_all(shader_cache_, ignored);
+            const double seconds =
+                runChild(commandOf(task, task.method->settings.front(), exr), variables).seconds;
+            measured.cold_seconds = task.first ? seconds : -1;
+        }
+        std::vector<Json> stats;
+        double spent = 0;
+        while (measured.runs.empty() || (static_cast<int>(measured.runs.size()) < params_.repeats &&
+                                         spent < kEnoughSeconds)) {
+            const ChildRun run = runChild(commandOf(task, *task.setting, exr), variables);
+            measured.runs.push_back(run.seconds);
+            spent += run.seconds;
+            stats.push_back(Json::parse(run.out));
+        }
+        measured.seconds = median(measured.runs);
+        takeStats(stats, measured);
+        task.stored = {.key = task.key, .repeats = params_.repeats, .measured = measured};
+        writeText(task.file.string() + ".json", jsonText(*task.stored));
+    }
+
+    // What the run nearest to the median says of itself.
+    static void takeStats(const std::vector<Json>& stats, Measurement& measured) {
+        size_t nearest = 0;
+        const auto distance = [&measured](size_t i) {
+            return std::abs(measured.runs[i] - measured.seconds);
+        };
+        for (size_t i = 1; i < stats.size(); ++i) {
+            nearest = distance(i) < distance(nearest) ? i : nearest;
+        }
+        double other = measured.runs[nearest];
+        for (const auto& [stage, seconds] : stats[nearest].at("seconds").items()) {
+            if (stage != "total" && seconds.get<double>() > 0) {
+                measured.stages.emplace_back(stage, seconds.get<double>());
+                other -= seconds.get<double>();
+            }
+        }
+        measured.stages.emplace_back("other", std::max(other, 0.0));
+        measured.records = stats[nearest].at("records");
+        measured.gl_renderer = stats[nearest].at("gl_renderer");
+    }
+
+    const ChartParams& params_;
+    fs::path root_, points_, references_, shader_cache_;
+    std::vector<ChartScene> scenes_;
+    std::vector<SceneIdentity> identities_;  ///< [scene]
+    ChartHost host_;
+};
+
+}  // namespace
+
+double secondsLeft(std::span<const SweepJob> jobs, int repeats) {
+    double seconds = 0, cost = 0;
+    for (const SweepJob& job : jobs) {
+        if (job.seconds >= 0) {
+            seconds += job.seconds;
+            cost += job.cost;
+        }
+    }
+    if (cost <= 0) {
+        return -1;
+    }
+    double left = 0;
+    for (const SweepJob& job : jobs) {
+        if (job.seconds >= 0) {
+            continue;
+        }
+        double scene_seconds = 0, scene_cost = 0;
+        for (const SweepJob& other : jobs) {
+            if (other.seconds >= 0 && other.scene == job.scene) {
+                scene_seconds += other.seconds;
+                scene_cost += other.cost;
+            }
+        }
+        const double ratio = scene_cost > 0 ? scene_seconds / scene_cost : seconds / cost;
+        left += job.cost * ratio * plannedRuns(job.cost * ratio, repeats);
+    }
+    return left;
+}
+
+Chart measureChart(const ChartParams& params) {
+    SHEEN_CHECK(params.repeats > 0 && !params.scenes.empty() && !params.methods.empty());
+    return Sweep(params).run();
+}
+
+}  // namespace sheen

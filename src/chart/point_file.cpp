@@ -1,0 +1,177 @@
+#include "chart/point_file.h"
+
+#include <fstream>
+#include <iterator>
+
+namespace sheen {
+namespace {
+
+// Fowler, Noll, Vo: FNV-1a, 64 bits. Tells files apart; nobody attacks it.
+class Hash {
+  public:
+    void add(const void* data, size_t size) {
+        const auto* bytes = static_cast<const unsigned char*>(data);
+        for (size_t i = 0; i < size; ++i) {
+            value_ = (value_ ^ bytes[i]) * 0x100000001b3ull;
+        }
+    }
+    template <class T>
+    void add(const std::vector<T>& values) {
+        const size_t count = values.size();
+        add(&count, sizeof(count));
+        add(values.data(), count * sizeof(T));
+    }
+    std::string text() const { return fmt::format("{:016x}", value_); }
+
+  private:
+    uint64_t value_ = 0xcbf29ce484222325ull;
+};
+
+Json jsonFromHost(const ChartHost& host) {
+    return {{"version", host.version},
+            {"build", host.build},
+            {"cpu", host.cpu},
+            {"threads", host.threads}};
+}
+
+ChartHost hostFromJson(const Json& json) {
+    return {.version = json.at("version"),
+            .build = json.at("build"),
+            .cpu = json.at("cpu"),
+            .threads = json.at("threads")};
+}
+
+Json jsonFromKey(const ImageKey& key) {
+    return {{"scene", key.scene},
+            {"camera", key.camera},
+            {"size", {key.width, key.height}},
+            {"arguments", key.arguments},
+            {"gl", key.gl}};
+}
+
+ImageKey keyFromJson(const Json& json) {
+    return {.scene = json.at("scene"),
+            .camera = json.at("camera"),
+            .width = json.at("size").at(0),
+            .height = json.at("size").at(1),
+            .arguments = json.at("arguments"),
+            .gl = json.at("gl")};
+}
+
+Measurement measurementFromJson(const Json& json) {
+    Measurement measured;
+    measured.host = hostFromJson(json.at("host"));
+    measured.runs = json.at("runs").get<std::vector<double>>();
+    measured.seconds = json.at("seconds");
+    measured.cold_seconds = json.at("cold_seconds");
+    for (const auto& [stage, seconds] : json.at("stages").items()) {
+        measured.stages.emplace_back(stage, seconds.get<double>());
+    }
+    measured.records = json.at("records");
+    measured.gl_renderer = json.at("gl_renderer");
+    return measured;
+}
+
+}  // namespace
+
+std::string contentHash(const Scene& scene) {
+    // These are hashed as bytes, so they must have no padding.
+    static_assert(sizeof(MaterialParams) == 12 * sizeof(float));
+    static_assert(sizeof(PunctualLight) == 16 * sizeof(float));
+    Hash hash;
+    hash.add(scene.positions);
+    hash.add(scene.normals);
+    hash.add(scene.uvs);
+    hash.add(scene.triangles);
+    hash.add(scene.materials_of);
+    for (const Material& material : scene.materials) {
+        hash.add(&material.params, sizeof(material.params));
+        hash.add(&material.base_color_texture, sizeof(material.base_color_texture));
+    }
+    for (const Texture& texture : scene.textures) {
+        const int shape[] = {texture.width, texture.height, texture.wrap.x, texture.wrap.y};
+        hash.add(shape, sizeof(shape));
+        hash.add(texture.texels);
+    }
+    hash.add(scene.lights);
+    for (const Camera& camera : scene.cameras) {
+        hash.add(&camera.world_from_camera, sizeof(camera.world_from_camera));
+        hash.add(&camera.y_fov, sizeof(camera.y_fov));
+    }
+    return hash.text();
+}
+
+std::string fileHash(const std::string& path) {
+    const std::optional<std::string> bytes = readText(path);
+    if (!bytes) {
+        throwEnvironment("{}: cannot be read", path);
+    }
+    Hash hash;
+    hash.add(bytes->data(), bytes->size());
+    return hash.text();
+}
+
+std::string fileNamePart(const std::string& name) {
+    constexpr size_t kLongest = 40;
+    std::string part = name.substr(0, kLongest);
+    for (char& c : part) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                           (c >= '0' && c <= '9') || c == '-' || c == '_';
+        c = plain ? c : '_';
+    }
+    return part;
+}
+
+std::string shortHash(const ImageKey& key) {
+    const std::string text = jsonFromKey(key).dump();
+    Hash hash;
+    hash.add(text.data(), text.size());
+    return hash.text().substr(0, 12);
+}
+
+std::string jsonText(const StoredPoint& point) {
+    const Measurement& m = point.measured;
+    Json stages = Json::object();
+    for (const auto& [stage, seconds] : m.stages) {
+        stages[stage] = seconds;
+    }
+    return asciiText({{"image", jsonFromKey(point.key)},
+                      {"repeats", point.repeats},
+                      {"host", jsonFromHost(m.host)},
+                      {"runs", m.runs},
+                      {"seconds", m.seconds},
+                      {"cold_seconds", m.cold_seconds},
+                      {"stages", stages},
+                      {"records", m.records},
+                      {"gl_renderer", m.gl_renderer}},
+                     2);
+}
+
+std::optional<StoredPoint> parsePoint(const std::string& text) {
+    try {
+        const Json json = Json::parse(text);
+        StoredPoint point = {.key = keyFromJson(json.at("image")),
+                             .repeats = json.at("repeats"),
+                             .measured = measurementFromJson(json)};
+        const bool sane = point.measured.seconds > 0 && !point.measured.runs.empty();
+        return sane ? std::optional(std::move(point)) : std::nullopt;
+    } catch (const Json::exception&) {
+        return std::nullopt;
+    }
+}
+
+bool sameImage(const ImageKey& a, const ImageKey& b) { return jsonFromKey(a) == jsonFromKey(b); }
+
+std::optional<std::string> readText(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    if (!in) {
+        return std::nullopt;
+    }
+    return std::string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+}
+
+std::string asciiText(const Json& json, int indent) {
+    return json.dump(indent, ' ', true, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace sheen

@@ -1,0 +1,56 @@
+// What the chart's folder remembers of a measured point or a reference, as JSON beside its EXR.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "chart/chart.h"
+#include "scene/scene.h"
+
+namespace sheen {
+
+/// Keeps the keys in the order they were given.
+using Json = nlohmann::ordered_json;
+
+/// Hash of everything in the scene that an image depends on, 16 hexadecimal digits.
+std::string contentHash(const Scene& scene);
+
+/// Hash of a file's bytes, 16 hexadecimal digits. Environment error where it cannot be read.
+std::string fileHash(const std::string& path);
+
+/// `name` with everything but ASCII letters, digits, - and _ replaced, 40 characters at most.
+std::string fileNamePart(const std::string& name);
+
+/// The image that a stored file describes: everything that decides its pixels.
+struct ImageKey {
+    std::string scene;  ///< contentHash()
+    int camera = 0;
+    int width = 0, height = 0;
+    std::vector<std::string> arguments;  ///< settingArguments()
+    std::string gl;                      ///< the GL backend asked for (SHEEN_GL)
+};
+
+/// 12 hexadecimal digits that stand for the key in file names.
+std::string shortHash(const ImageKey& key);
+
+struct StoredPoint {
+    ImageKey key;
+    int repeats = 0;  ///< as asked for
+    Measurement measured;
+};
+
+std::string jsonText(const StoredPoint& point);
+
+/// The point that `text` holds; none where it is not such a file.
+std::optional<StoredPoint> parsePoint(const std::string& text);
+
+bool sameImage(const ImageKey& a, const ImageKey& b);
+
+/// The whole file; none where there is none.
+std::optional<std::string> readText(const std::string& path);
+
+/// Valid UTF-8 and ASCII only, whatever bytes the strings in `json` hold: names come from files.
+std::string asciiText(const Json& json, int indent);
+
+}  // namespace sheen

@@ -1,0 +1,95 @@
+// sheen chart: error against time of every method, measured on scenes and shown on a page.
+#include <filesystem>
+#include <memory>
+
+#include "chart/chart.h"
+#include "chart/report.h"
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "cli/output.h"
+
+namespace sheen::cli {
+namespace {
+
+struct ChartOptions {
+    std::vector<std::string> methods;
+    std::string size = "512x512";
+    ChartParams params;
+};
+
+// The program that is running, even where its file was moved since.
+std::string ownProgram() {
+    std::error_code error;
+    const std::filesystem::path path = std::filesystem::read_symlink("/proc/self/exe", error);
+    if (error) {
+        throwEnvironment("/proc/self/exe: cannot find the program to measure: {}", error.message());
+    }
+    return path.string();
+}
+
+void printChart(const Chart& chart, const std::string& folder) {
+    for (const ChartScene& scene : chart.scenes) {
+        fmt::print("{} ({}); reference's noise {:.2f}%\n", scene.name, scene.camera,
+                   100 * scene.noise_rel_rmse);
+        for (const ChartPoint& point : scene.points) {
+            fmt::print("  {:<10} {:<30} {:8.2f} s  rel_rmse {:6.2f}%{}\n", point.method,
+                       point.setting, point.measured.seconds, 100 * point.errors.rel_rmse,
+                       point.errors.judged ? "" : "  (not judged: mostly the reference's noise)");
+        }
+    }
+    fmt::print("wrote     {}\n", (std::filesystem::path(folder) / "chart.html").string());
+}
+
+ExitCode runChart(ChartOptions& o) {
+    const ivec2 size = parseSize(o.size);
+    o.params.width = size.x;
+    o.params.height = size.y;
+    o.params.methods = chooseMethods(o.methods);
+    o.params.program = ownProgram();
+    o.params.version = SHEEN_VERSION;
+    const Chart chart = measureChart(o.params);
+    writeReport(o.params.folder, chart);
+    printChart(chart, o.params.folder);
+    return ExitCode::kDone;
+}
+
+}  // namespace
+
+Command addChart(CLI::App& program) {
+    CLI::App* app = program.add_subcommand("chart", "Chart error against time of all methods");
+    const auto options = std::make_shared<ChartOptions>();
+    ChartParams& p = options->params;
+    app->add_option("SCENE", p.scenes, "glTF scenes, .glb or .gltf")
+        ->type_name("FILE...")
+        ->required();
+    app->add_option("-o,--output", p.folder,
+                    "Folder for chart.html, chart.csv and chart.json; also keeps references and "
+                    "points, so that an interrupted chart continues")
+        ->type_name("FOLDER")
+        ->required();
+    std::string known;
+    for (const SweepMethod& method : sweepMethods()) {
+        known += (known.empty() ? "" : ",") + method.name;
+    }
+    app->add_option("--methods", options->methods, "Methods to sweep; default: " + known)
+        ->type_name("NAME,...")
+        ->delimiter(',');
+    app->add_option("--size", options->size, "Width x height in pixels, each 1..16384")
+        ->capture_default_str();
+    app->add_option("--camera", p.camera, "Name or number of a camera; default: the first");
+    app->add_option("--reference-spp", p.reference_spp,
+                    "Paths a pixel of the references; points whose error is mostly a reference's "
+                    "noise are marked")
+        ->check(numberIn(16, 65536))
+        ->capture_default_str();
+    app->add_option("--repeats", p.repeats,
+                    "Warm runs of each point, of which the median counts; fewer where they take "
+                    "more than a minute in all")
+        ->check(numberIn(1, 99))
+        ->capture_default_str();
+    app->add_flag("--any-build", p.any_build,
+                  "Also take stored points that another build of the program measured");
+    return {app, [options] { return runChart(*options); }};
+}
+
+}  // namespace sheen::cli

@@ -1,0 +1,85 @@
+#include "chart_test_sample.h"
+
+#include <limits>
+
+#include "image/png.h"
+
+namespace sheen {
+
+const char* const kHostileName =
+    "</script><script>document.title=\"hacked\"//<!-- 'r\xc3\xb6\xc3\xb6m', \"1\"\n{{data}}\xff";
+
+namespace {
+
+std::string flatPng(uint8_t red, uint8_t green) {
+    return pngBytes(Image<Rgb8>(8, 8, Rgb8{red, green, 40}));
+}
+
+ChartPoint makePoint(const std::string& method, const std::string& setting, double seconds,
+                     double error) {
+    ChartPoint point;
+    point.method = method;
+    point.setting = setting;
+    point.file = "points/" + method + ".exr";
+    Measurement& m = point.measured;
+    m.host = {.version = "1.2.3", .build = "0123456789abcdef", .cpu = "A CPU", .threads = 2};
+    m.runs = {seconds, 1.1 * seconds, 0.9 * seconds};
+    m.seconds = seconds;
+    m.stages = {{"load", 0.1 * seconds}, {"gather", 0.6 * seconds}, {"other", 0.3 * seconds}};
+    m.records = method == "reference" ? 0 : 100;
+    m.gl_renderer = method == "reference" ? "" : "A renderer";
+    Comparison& e = point.errors;
+    e.rel_rmse = error;
+    e.rel_mse = error * error;
+    e.bias = -0.1 * error;
+    e.median = 0.5 * error;
+    e.p99 = 5 * error;
+    e.max = 20 * error;
+    e.tile_max = 4 * error;
+    e.noise_share = 0.1;
+    e.excluded = 1;
+    e.compared = 63;
+    e.judged = true;
+    const auto shade = static_cast<uint8_t>(20 * seconds);
+    point.image_png = flatPng(shade, 200);
+    point.heatmap_png = flatPng(shade, 90);
+    return point;
+}
+
+ChartScene makeScene(const std::string& name) {
+    ChartScene scene;
+    scene.name = name;
+    scene.file = name + ".glb";
+    scene.camera = "front";
+    scene.reference_file = "references/a.exr";
+    scene.reference_seconds = 60;
+    scene.noise_rel_rmse = 0.02;
+    scene.reference_png = flatPng(0, 0);
+    for (const SweepMethod& method : sweepMethods()) {
+        const double slower = 1 + static_cast<double>(scene.points.size());
+        scene.points.push_back(makePoint(method.name, "fine 1", 0.5 * slower, 0.3 * slower));
+        scene.points.push_back(makePoint(method.name, "fine 2", 0.4 * slower, 0.2 * slower));
+        scene.points.push_back(makePoint(method.name, "fine 3", 1.1 * slower, 0.05 * slower));
+        scene.points[scene.points.size() - 3].measured.cold_seconds = slower;
+    }
+    return scene;
+}
+
+}  // namespace
+
+Chart sampleChart() {
+    Chart chart;
+    chart.host = {.version = "1.2.3", .build = "0123456789abcdef", .cpu = "A CPU", .threads = 2};
+    chart.width = chart.height = 8;
+    chart.reference_spp = 64;
+    chart.repeats = 3;
+    chart.methods = sweepMethods();
+    chart.scenes = {makeScene("room"), makeScene(kHostileName)};
+    std::vector<ChartPoint>& points = chart.scenes[1].points;
+    points[0].errors.judged = false;
+    points[1].errors.rel_rmse = 0;
+    points[2].errors.rel_rmse = std::numeric_limits<double>::infinity();
+    return chart;
+}
+
+}  // namespace sheen
