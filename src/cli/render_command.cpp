@@ -19,7 +19,9 @@ namespace {
 
 const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
                                                 {"irradiance", Method::kIrradiance},
-                                                {"reference", Method::kReference}};
+                                                {"reference", Method::kReference},
+                                                {"octree", Method::kOctree},
+                                                {"denoised", Method::kDenoised}};
 
 struct Gather {
     GatherRoad road;
@@ -54,6 +56,8 @@ struct RenderOptions {
     CLI::Option* exposure_option = nullptr;
     CLI::Option* layers_option = nullptr;
     CLI::Option* extent_option = nullptr;
+    CLI::Option* accuracy_option = nullptr;
+    CLI::Option* gather_size_option = nullptr;
 };
 
 template <class T>
@@ -89,8 +93,9 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
     const std::vector<Method> cached = {Method::kRadiance, Method::kIrradiance};
     RenderParams& p = o.params;
     app.add_option("--method", o.method,
-                   "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only) or "
-                   "reference (path tracer)")
+                   "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
+                   "reference (path tracer), or to compare with: denoised (path tracer, filtered), "
+                   "octree (classical irradiance cache, diffuse only)")
         ->check(CLI::IsMember(keysOf(kMethods)))
         ->capture_default_str();
     const auto limited = [&o](CLI::Option* option, std::vector<Method> methods) {
@@ -98,11 +103,14 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
         o.limited.push_back({option, std::move(methods)});
         return option;
     };
-    limited(app.add_option("--accuracy", p.placement.accuracy,
-                           "radiance, irradiance: largest error of a record's reuse, smaller is "
-                           "better and slower")
-                ->check(numberIn(0.01, 2)),
-            cached);
+    const std::vector<Method> any_cache = {Method::kRadiance, Method::kIrradiance, Method::kOctree};
+    const std::vector<Method> traced = {Method::kReference, Method::kDenoised};
+    o.accuracy_option =
+        limited(app.add_option("--accuracy", p.placement.accuracy,
+                               "radiance, irradiance, octree (0.4 unless given): largest error of "
+                               "a record's reuse, smaller is better and slower")
+                    ->check(numberIn(0.01, 2)),
+                any_cache);
     limited(app.add_option("--sh-order", o.sh_order,
                            "radiance: order of the spherical harmonics, 2..10, or auto: by "
                            "material"),
@@ -114,22 +122,26 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                            "rescaled (larsen)")
                 ->check(CLI::IsMember(keysOf(kGathers))),
             cached);
-    limited(app.add_option("--gather-size", p.gather.size,
-                           "radiance, irradiance: texels along a side of that plane")
-                ->check(numberIn(8, 512)),
-            cached);
+    o.gather_size_option =
+        limited(app.add_option("--gather-size", p.gather.size,
+                               "radiance, irradiance: texels along a side of that plane; octree: "
+                               "rings of a record's rays, by the accuracy unless given")
+                    ->check(numberIn(8, 512)),
+                any_cache);
     o.extent_option = limited(app.add_option("--gather-extent", p.gather.extent,
                                              "radiance, irradiance: half-width of that plane at "
                                              "distance 1; not for a hemicube")
                                   ->check(numberIn(1, 10)),
                               cached);
-    app.add_option("--bounces", p.bounces, "Bounces of indirect light; more than 1: reference only")
+    app.add_option("--bounces", p.bounces,
+                   "Bounces of indirect light; more than 1: reference and denoised only")
         ->check(numberIn(1, 64))
         ->capture_default_str();
-    limited(app.add_option("--spp", p.spp, "reference: paths a pixel")->check(numberIn(1, 65536)),
-            {Method::kReference});
-    limited(app.add_option("--seed", p.seed, "reference: seed of its random numbers"),
-            {Method::kReference});
+    limited(app.add_option("--spp", p.spp, "reference, denoised: paths a pixel")
+                ->check(numberIn(1, 65536)),
+            traced);
+    limited(app.add_option("--seed", p.seed, "reference, denoised: seed of their random numbers"),
+            traced);
 }
 
 void addProgramOptions(CLI::App& app, RenderOptions& o) {
@@ -140,6 +152,10 @@ void addProgramOptions(CLI::App& app, RenderOptions& o) {
         ->type_name("FILE");
 }
 
+bool tracesPaths(Method method) {
+    return method == Method::kReference || method == Method::kDenoised;
+}
+
 void checkMethodOptions(const RenderOptions& o) {
     for (const LimitedOption& limited : o.limited) {
         const auto& methods = limited.methods;
@@ -148,7 +164,7 @@ void checkMethodOptions(const RenderOptions& o) {
             throwUsage("{}: not an option of --method {}", limited.option->get_name(), o.method);
         }
     }
-    if (o.params.method != Method::kReference && o.params.bounces != 1) {
+    if (!tracesPaths(o.params.method) && o.params.bounces != 1) {
         throwUsage("--bounces {}: --method {} computes one bounce", o.params.bounces, o.method);
     }
     if (o.params.gather.kind == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
@@ -210,7 +226,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"too_glossy_share", stats.too_glossy_share},
                  {"sh_order", shOrders(stats.sh_order)},
                  {"gl_renderer", stats.gl_renderer}};
-    if (o.params.method == Method::kReference) {
+    if (tracesPaths(o.params.method)) {
         json["mrays_per_second"] = stats.mrays_per_second;
     }
     return json;
@@ -237,12 +253,14 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
         }
     }
     fmt::print("seconds   {:.3f}: {}\n", stats.seconds.total, stages);
-    if (o.params.method == Method::kReference) {
+    if (tracesPaths(o.params.method)) {
         fmt::print("rays      {:.2f} million a second, {} threads\n", stats.mrays_per_second,
                    threadCount());
     } else {
         fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
                    stats.pixels_uncovered, stats.pixels_geometry);
+    }
+    if (o.params.method == Method::kRadiance || o.params.method == Method::kIrradiance) {
         fmt::print("estimate  rel_rmse of the indirect light {:.1f}%\n",
                    100 * stats.estimated_rel_rmse);
         fmt::print("pixels    diffuse {:.1f}%, too glossy for the cache {:.1f}%\n",
@@ -272,6 +290,13 @@ ExitCode runRender(RenderOptions& o) {
     o.params.method = kMethods.at(o.method);
     o.params.gather_road = kGathers.at(o.gather).road;
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;
+    // Both caches are asked by the same options; left to themselves each has its own defaults.
+    if (o.accuracy_option->count() > 0) {
+        o.params.octree_accuracy = o.params.placement.accuracy;
+    }
+    if (o.gather_size_option->count() > 0) {
+        o.params.octree_rings = o.params.gather.size;
+    }
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.all_layers = o.layers == "all";
     parseExposure(o.exposure);

@@ -12,7 +12,7 @@
 
 namespace sheen {
 
-enum class Method { kRadiance, kIrradiance, kReference };
+enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised };
 
 /// What finds the light around a record: rays on the CPU or the rasteriser.
 enum class GatherRoad { kRays, kRaster };
@@ -28,9 +28,12 @@ struct RenderParams {
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;
     HemisphereParams gather;
-    // The reference.
+    // The irradiance cache in an octree.
+    float octree_accuracy = 0.4f;
+    int octree_rings = 0;  ///< of a record's hemisphere; 0: by the accuracy
+    // The path tracer, plain and denoised.
     int bounces = 1;
-    int spp = 256;  ///< rays a pixel, over all replicates
+    int spp = 256;  ///< paths a pixel, over all replicates
     uint32_t seed = 0;
     bool all_layers = false;  ///< also make the layers of `--layers all`
     bool quiet = false;       ///< no progress
@@ -45,7 +48,7 @@ struct MaterialOrder {
 /// Wall-clock seconds of each stage. `total` and `write` are filled in by the program.
 struct StageSeconds {
     double total = 0, load = 0, gbuffer = 0, shadow = 0, placement = 0, gather = 0, project = 0,
-           splat = 0, compose = 0, trace = 0, write = 0;
+           splat = 0, compose = 0, trace = 0, denoise = 0, write = 0;
 };
 
 /// What the program prints and writes as --json.
@@ -56,13 +59,14 @@ struct RenderStats {
     int pixels_uncovered = 0;  ///< of these, without any record
     int nonfinite_pixels = 0;
     int negative_pixels = 0;  ///< clamped at compose
-    /// Of the indirect layer, as the records tell (estimateRelRmse()); 0 for the reference.
+    /// Of the indirect layer, as the records tell (estimateRelRmse()); 0 but for Sheen's own
+    /// methods.
     double estimated_rel_rmse = 0;
     double diffuse_share = 0;     ///< of pixels_geometry, classified as diffuse
     double too_glossy_share = 0;  ///< of pixels_geometry, smoother than the highest order resolves
     std::vector<MaterialOrder> sh_order;
-    std::string gl_renderer;      ///< empty for the reference
-    double mrays_per_second = 0;  ///< reference only
+    std::string gl_renderer;      ///< empty where none was used
+    double mrays_per_second = 0;  ///< path-traced methods only
 };
 
 struct RenderResult {
