@@ -10,8 +10,8 @@ namespace {
 
 // Below this a channel's albedo says nothing of the light that met it.
 constexpr float kLeastAlbedo = 1e-3f;
-// Pixels less alike than exp(-16) do not touch each other at all.
-constexpr float kUnlike = 16.0f;
+// Pixels less alike than exp(-12) do not touch each other at all.
+constexpr float kUnlike = 12.0f;
 // The B3 spline, 5 taps. [DSHL10]
 constexpr float kSpline[] = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f};
 
@@ -46,7 +46,8 @@ float unlikeness(const Frame& guide, ivec2 p, ivec2 q, const AtrousParams& param
     const float distance = glm::length(d);
     const float sine = distance > 0.0f ? off_plane / distance : 0.0f;
     const float rougher = guide.roughness.at(p.x, p.y) - guide.roughness.at(q.x, q.y);
-    return (1.0f - glm::dot(n_p, n_q)) / params.normal + sine / params.plane +
+    const float tilt = sine / params.plane;
+    return (1.0f - glm::dot(n_p, n_q)) / params.normal + tilt * tilt +
            std::abs(rougher) / params.roughness;
 }
 
@@ -114,14 +115,14 @@ Level filterLevel(const Level& level, const Image<vec3>& albedo, const Frame& gu
                 // A black channel of an albedo knows nothing of the light.
                 const vec3 known =
                     vec3(glm::greaterThan(albedo.at(qx, qy), vec3(kLeastAlbedo))) * weight;
-                light += known * level.light.at(qx, qy);
+                light += known * (level.light.at(qx, qy) - level.light.at(x, y));
                 variance += known * known * level.variance.at(qx, qy);
                 weights += known;
             }
         }
         for (int c = 0; c < 3; ++c) {
             if (weights[c] > 0.0f) {
-                result.light.at(x, y)[c] = light[c] / weights[c];
+                result.light.at(x, y)[c] += light[c] / weights[c];
                 result.variance.at(x, y)[c] = variance[c] / (weights[c] * weights[c]);
             }
         }

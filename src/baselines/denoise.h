@@ -13,7 +13,7 @@ struct AtrousParams {
     int levels = 4;           ///< the taps of level i are 2^i pixels apart
     float luminance = 3.0f;   ///< difference of luminance, of the two standard deviations' sum
     float normal = 0.06f;     ///< 1 - cosine between the normals
-    float plane = 0.2f;       ///< sine of the angle between a tangent plane and the way to another
+    float plane = 0.25f;      ///< sine of the angle between a tangent plane and the way to another
     float roughness = 0.05f;  ///< difference of roughness
 };
 

@@ -203,7 +203,7 @@ std::vector<std::pair<const char*, double>> stagesOf(const StageSeconds& s) {
     return {{"load", s.load},           {"gbuffer", s.gbuffer}, {"shadow", s.shadow},
             {"placement", s.placement}, {"gather", s.gather},   {"project", s.project},
             {"splat", s.splat},         {"compose", s.compose}, {"trace", s.trace},
-            {"write", s.write}};
+            {"denoise", s.denoise},     {"write", s.write}};
 }
 
 Json statsJson(const RenderOptions& o, const RenderStats& stats) {
