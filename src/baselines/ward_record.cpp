@@ -1,6 +1,7 @@
 #include "baselines/ward_record.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -114,34 +115,73 @@ WardRecord integrateCells(const WardStrata& strata, std::span<const WardCell> ce
     return record;
 }
 
+namespace {
+
+// What neighbouring rays of one hemisphere meet, and how it is lit; [k] of both.
+void seeCells(const RayScene& rays, const Surface& p, std::span<const vec3> directions,
+              std::span<WardCell*> cells, Counters& counters) {
+    constexpr auto kPacket = static_cast<size_t>(RayScene::kPacket);
+    std::array<RayHit, kPacket> hits;
+    rays.intersect(p.rayOrigin(), directions, hits.data());
+    counters.rays += static_cast<int64_t>(directions.size());
+    std::array<Surface, kPacket> met;
+    std::array<WardCell*, kPacket> met_by;
+    size_t count = 0;
+    for (size_t k = 0; k < directions.size(); ++k) {
+        if (hits[k].found()) {
+            met[count] = rays.surfaceAt(hits[k], -directions[k]);
+            met_by[count] = cells[k];
+            ++count;
+        }
+    }
+    std::array<vec3, kPacket> lit;
+    directRadiance(rays, {met.data(), count}, lit.data(), counters);
+    for (size_t k = 0; k < count; ++k) {
+        const vec3 radiance = met[k].emission + lit[k];
+        met_by[k]->distance = glm::length(met[k].position - p.position);
+        if (finite(radiance)) {
+            met_by[k]->radiance = radiance;
+        } else {
+            ++counters.nonfinite;
+        }
+    }
+}
+
+}  // namespace
+
 WardRecord gatherRecord(const RayScene& rays, const Surface& p, const WardStrata& strata,
                         uint32_t seed, Counters& counters) {
+    constexpr auto kPacket = static_cast<size_t>(RayScene::kPacket);
     const mat3 world_from_local = worldFromLocal(p.n);
     std::vector<WardCell> cells(static_cast<size_t>(strata.count()));
-    for (int column = 0; column < strata.columns; ++column) {
-        for (int row = 0; row < strata.rows; ++row) {
+    std::array<vec3, kPacket> directions;
+    std::array<WardCell*, kPacket> aimed_at;
+    size_t count = 0;
+    const auto see = [&] {
+        seeCells(rays, p, {directions.data(), count}, {aimed_at.data(), count}, counters);
+        count = 0;
+    };
+    for (int row = 0; row < strata.rows; ++row) {
+        for (int column = 0; column < strata.columns; ++column) {
             const int index = column * strata.rows + row;
-            const vec2 u = owenSobol(0, hashCombine(seed, static_cast<uint32_t>(index)));
+            const uint32_t random = hashCombine(seed, static_cast<uint32_t>(index));
+            constexpr float kUnit = 0x1p-16f;
+            const vec2 u(static_cast<float>(random >> 16) * kUnit,
+                         static_cast<float>(random & 0xffffu) * kUnit);
             const vec3 wi = world_from_local * strata.direction(column, row, u);
             WardCell& cell = cells[static_cast<size_t>(index)];
             if (glm::dot(p.n_g, wi) <= 0.0f) {
                 cell.distance = 0.0f;
                 continue;
             }
-            const RayHit hit = nextHit(rays, p, wi, counters);
-            if (!hit.found()) {
-                continue;
-            }
-            const Surface q = rays.surfaceAt(hit, -wi);
-            const vec3 radiance = q.emission + directRadiance(rays, q, counters);
-            cell.distance = glm::length(q.position - p.position);
-            if (finite(radiance)) {
-                cell.radiance = radiance;
-            } else {
-                ++counters.nonfinite;
+            directions[count] = wi;
+            aimed_at[count] = &cell;
+            if (++count == kPacket) {
+                see();
             }
         }
     }
+    see();
     WardRecord record = integrateCells(strata, cells, world_from_local);
     record.position = p.position;
     return record;

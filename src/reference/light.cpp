@@ -1,5 +1,7 @@
 #include "reference/light.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sheen {
@@ -8,6 +10,33 @@ namespace {
 // A shadow ray ends this fraction short of its light: a light lying on a surface is not hidden by
 // it.
 constexpr float kShadowRayShare = 1.0f - 1e-5f;
+
+// What a light sends by way of a surface toward its wo if nothing is between them.
+struct Arriving {
+    vec3 radiance{0.0f};
+    ShadowRay way;  // of distance 0 where no ray is needed
+};
+
+Arriving arrivingFrom(const PunctualLight& light, const Surface& s) {
+    const LightSample sample = shared::sampleLight(light, s.position);
+    const float NoL = glm::dot(s.n, sample.wi);
+    if (NoL <= 0.0f || glm::dot(s.n_g, sample.wi) <= 0.0f) {
+        return {};
+    }
+    Arriving arriving;
+    arriving.radiance = shared::evalBrdf(s.brdf, s.n, s.wo, sample.wi) * sample.irradiance * NoL;
+    if (black(arriving.radiance)) {
+        return {};
+    }
+    arriving.way = {.origin = s.rayOrigin(), .direction = sample.wi, .distance = kInfinity};
+    if (sample.distance >= 0.0f) {
+        const vec3 to_light = light.position - arriving.way.origin;
+        const float distance = glm::length(to_light);
+        arriving.way.distance = distance * kShadowRayShare;
+        arriving.way.direction = distance > 0.0f ? to_light / distance : sample.wi;
+    }
+    return arriving;
+}
 
 }  // namespace
 
@@ -20,32 +49,45 @@ bool black(const vec3& v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
 vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) {
     vec3 sum(0.0f);
     for (const PunctualLight& light : rays.scene().lights) {
-        const LightSample sample = shared::sampleLight(light, s.position);
-        const float NoL = glm::dot(s.n, sample.wi);
-        if (NoL <= 0.0f || glm::dot(s.n_g, sample.wi) <= 0.0f) {
-            continue;
-        }
-        const vec3 radiance =
-            shared::evalBrdf(s.brdf, s.n, s.wo, sample.wi) * sample.irradiance * NoL;
-        if (black(radiance)) {
+        const Arriving arriving = arrivingFrom(light, s);
+        if (black(arriving.radiance)) {
             continue;
         }
         ++counters.rays;
-        const vec3 origin = s.rayOrigin();
-        bool hidden = false;
-        if (sample.distance < 0.0f) {
-            hidden = rays.occluded(origin, sample.wi, kInfinity);
-        } else {
-            const vec3 to_light = light.position - origin;
-            const float distance = glm::length(to_light);
-            hidden = distance > 0.0f &&
-                     rays.occluded(origin, to_light / distance, distance * kShadowRayShare);
-        }
-        if (!hidden) {
-            sum += radiance;
+        if (arriving.way.distance == 0.0f || !rays.occluded(arriving.way)) {
+            sum += arriving.radiance;
         }
     }
     return sum;
+}
+
+void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec3* radiance,
+                    Counters& counters) {
+    constexpr auto kPacket = static_cast<size_t>(RayScene::kPacket);
+    SHEEN_CHECK(surfaces.size() <= kPacket);
+    std::fill_n(radiance, surfaces.size(), vec3(0.0f));
+    for (const PunctualLight& light : rays.scene().lights) {
+        std::array<vec3, kPacket> unshadowed;
+        std::array<ShadowRay, kPacket> ways;
+        bool any = false;
+        for (size_t k = 0; k < surfaces.size(); ++k) {
+            const Arriving arriving = arrivingFrom(light, surfaces[k]);
+            unshadowed[k] = arriving.radiance;
+            ways[k] = arriving.way;
+            if (!black(arriving.radiance)) {
+                ++counters.rays;
+                any = true;
+            }
+        }
+        if (!any) {
+            continue;
+        }
+        std::array<bool, kPacket> hidden;
+        rays.occluded({ways.data(), surfaces.size()}, hidden.data());
+        for (size_t k = 0; k < surfaces.size(); ++k) {
+            radiance[k] += hidden[k] ? vec3(0.0f) : unshadowed[k];
+        }
+    }
 }
 
 RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters& counters) {

@@ -21,6 +21,10 @@ bool black(const vec3& v);
 /// Radiance, nits, that punctual lights send from the surface toward its wo: one shadow ray each.
 vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters);
 
+/// The same for up to RayScene::kPacket surfaces near each other, cheaper; as many `radiance`.
+void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec3* radiance,
+                    Counters& counters);
+
 /// What a path meets that leaves a surface in direction wi. The hemisphere of a shading normal
 /// reaches below the geometric surface, from where no light comes.
 RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters& counters);
