@@ -180,7 +180,10 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
     const vec2 uv = w * scene_.uvs[t.x] + hit.u * scene_.uvs[t.y] + hit.v * scene_.uvs[t.z];
     const MaterialParams material =
         materialAt(scene_, scene_.materials[scene_.materials_of[hit.triangle]], uv);
-    const vec2 albedo_ab = brdfAlbedo(glm::dot(s.n, wo), material.roughness);
+    // Only a Lambertian surface has no specular lobe, whatever the table says of one.
+    const bool lambertian = material.specular == 0.0f && material.metallic == 0.0f;
+    const vec2 albedo_ab =
+        lambertian ? vec2(0.0f) : brdfAlbedo(glm::dot(s.n, wo), material.roughness);
     s.brdf = shared::makeBrdf(material, albedo_ab);
     s.specular_albedo = s.brdf.f0 * albedo_ab.x + vec3(s.brdf.f90 * albedo_ab.y);
     s.emission = material.emission;
