@@ -47,6 +47,7 @@ struct Pass {
     const IrradianceCacheParams& params;
     Frame& frame;
     Image<Surface> surfaces;
+    Image<uint8_t> has_record;  // not 0: a record was gathered at this pixel
     WardOctree octree;
     WardStrata strata;
     Counters counters;
@@ -71,7 +72,7 @@ struct AtomicCounters {
 bool missed(const Pass& pass, int pixel) {
     const auto i = static_cast<size_t>(pixel);
     const Frame& frame = pass.frame;
-    return frame.primitive.pixels[i] != kNoPrimitive &&
+    return frame.primitive.pixels[i] != kNoPrimitive && pass.has_record.pixels[i] == 0 &&
            !pass.octree.serves(frame.position.pixels[i], frame.normal.pixels[i],
                                pass.params.accuracy);
 }
@@ -113,6 +114,7 @@ void placeBatch(Pass& pass, std::span<const int> batch) {
         const float footprint = footprintAt(pass, batch[i]);
         limitRadius(limits.least * footprint, limits.greatest * footprint, records[i]);
         pass.octree.insert(records[i], limits.least * footprint);
+        pass.has_record.pixels[static_cast<size_t>(batch[i])] = 1;
     }
 }
 
@@ -164,7 +166,7 @@ void fillCache(Pass& pass) {
         cover(pass, stride);
         progress.advance(kCoarsest / stride);
     }
-    // A record always serves its own pixel, so this ends.
+    // No pixel gets a second record, so this ends.
     while (cover(pass, 1)) {
     }
 }
@@ -222,6 +224,7 @@ IrradianceCacheResult renderIrradianceCache(const Scene& scene,
               .params = params,
               .frame = frame,
               .surfaces = std::move(surfaces),
+              .has_record = Image<uint8_t>(params.width, params.height),
               .octree = WardOctree(scene.bounds, kOverlap * params.accuracy),
               .strata = WardStrata(params.rings > 0 ? params.rings : ringsFor(params.accuracy)),
               .counters = {}};

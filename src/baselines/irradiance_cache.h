@@ -25,13 +25,13 @@ struct IrradianceCacheResult {
     /// All layers; indirect light is the diffuse part alone, whatever the material.
     Frame frame;
     int records = 0;
-    int uncovered = 0;  ///< pixels that no record serves: always 0
+    int uncovered = 0;  ///< pixels that see geometry and are served by no record
     int64_t rays = 0;
     int64_t nonfinite_samples = 0;
     // Wall-clock seconds.
     double see = 0.0;          ///< building the acceleration structure, primary and shadow rays
-    double place = 0.0;        ///< first pass but for:
-    double gather = 0.0;       ///< hemispheres
+    double place = 0.0;        ///< first pass without:
+    double gather = 0.0;       ///< what its records see
     double interpolate = 0.0;  ///< second pass
 };
 
