@@ -33,8 +33,8 @@ void countPixels(RenderResult& result) {
     }
 }
 
-// Fewer replicates stratify better: at 64 paths four have two thirds of the variance of sixteen,
-// which know the variance better.
+// Fewer replicates stratify better: at 64 paths four have three quarters of the variance of
+// sixteen, which know the variance better.
 int replicatesFor(int spp) { return spp < 1024 ? 4 : 16; }
 
 RenderResult renderByPaths(const Scene& scene, const RenderParams& params) {
