@@ -168,6 +168,9 @@ TEST_F(CliTest, optionsOutOfRange) {
                                "--gather-extent 0.5",
                                "--gather-extent 11",
                                "--method magic",
+                               "--method octree --accuracy 0",
+                               "--method octree --gather-size 7",
+                               "--method denoised --spp 0",
                                "--method reference --spp 0",
                                "--method reference --spp 65537",
                                "--method reference --seed -1",
@@ -194,10 +197,17 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
     }
     expectError("render scene.gltf --method irradiance --sh-order 4", ExitCode::kUsage,
                 "--sh-order: not an option of --method irradiance");
-    for (const char* option : {"--accuracy 0.1", "--target-error 0.02", "--sh-order 4",
-                               "--gather plane", "--gather-size 32", "--gather-extent 2"}) {
-        expectError(fmt::format("render scene.gltf --method reference {}", option),
-                    ExitCode::kUsage, "not an option of --method reference");
+    for (const char* method : {"reference", "denoised"}) {
+        for (const char* option : {"--accuracy 0.1", "--target-error 0.02", "--sh-order 4",
+                                   "--gather plane", "--gather-size 32", "--gather-extent 2"}) {
+            expectError(fmt::format("render scene.gltf --method {} {}", method, option),
+                        ExitCode::kUsage, fmt::format("not an option of --method {}", method));
+        }
+    }
+    for (const char* option : {"--spp 16", "--seed 1", "--target-error 0.02", "--bounces 2",
+                               "--sh-order 4", "--gather plane", "--gather-extent 2"}) {
+        expectError(fmt::format("render scene.gltf --method octree {}", option), ExitCode::kUsage,
+                    "--method octree");
     }
     expectError("render scene.gltf --target-error 0.02 --accuracy 0.1", ExitCode::kUsage,
                 "--accuracy");
@@ -286,7 +296,7 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
         EXPECT_TRUE(json.contains(key)) << key;
     }
     for (const char* key : {"total", "load", "gbuffer", "shadow", "placement", "gather", "project",
-                            "splat", "compose", "trace", "write"}) {
+                            "splat", "compose", "trace", "denoise", "write"}) {
         EXPECT_TRUE(json["seconds"].contains(key)) << key;
     }
     EXPECT_EQ(json["size"], Json::array({16, 12}));
@@ -339,6 +349,38 @@ TEST_F(CliTest, everyWayToGatherRenders) {
     EXPECT_EQ(textOf(file("default.exr")), textOf(file("ray.exr")));
     EXPECT_NE(textOf(file("hemicube.exr")), textOf(file("ray.exr")));
     EXPECT_NE(textOf(file("hemicube.exr")), textOf(file("border.exr")));
+}
+
+TEST_F(CliTest, baselinesRender) {
+    const char* const small = "render scene.gltf --size 24x16 --json - --layers all";
+    const Outcome octree =
+        call(fmt::format("{} --method octree --accuracy 0.5 --gather-size 8 -o octree.exr", small));
+    ASSERT_EQ(octree.code, 0) << octree.err;
+    const Json cached = Json::parse(octree.out);
+    EXPECT_EQ(cached["method"], "octree");
+    EXPECT_GT(cached["records"].get<int>(), 0);
+    EXPECT_EQ(cached["pixels_uncovered"], 0);
+    EXPECT_GT(cached["seconds"]["gather"].get<double>(), 0.0);
+    EXPECT_EQ(cached["gl_renderer"], "");
+    EXPECT_EQ(readExr(file("octree.exr")).colors.count("indirect_diffuse"), 1u);
+
+    const Outcome denoised =
+        call(fmt::format("{} --method denoised --spp 16 --bounces 2 -o denoised.exr", small));
+    ASSERT_EQ(denoised.code, 0) << denoised.err;
+    const Json traced = Json::parse(denoised.out);
+    EXPECT_EQ(traced["records"], 0);
+    EXPECT_GT(traced["seconds"]["denoise"].get<double>(), 0.0);
+    EXPECT_GT(traced["mrays_per_second"].get<double>(), 0.0);
+    // What a filter blurred no variance knows: such an image is no reference.
+    EXPECT_EQ(readExr(file("denoised.exr")).colors.count("variance"), 0u);
+
+    for (const char* other : {"octree.exr", "denoised.exr"}) {
+        EXPECT_EQ(call(fmt::format("compare {} octree.exr --layer direct", other)).code, 0);
+    }
+    // Options given to both caches under one name reach the one that was asked for.
+    ASSERT_EQ(call("render scene.gltf --size 24x16 --method octree --accuracy 1.5 -o b.exr").code,
+              0);
+    EXPECT_NE(textOf(file("octree.exr")), textOf(file("b.exr")));
 }
 
 TEST_F(CliTest, threadsAndRepetitionChangeNothing) {

@@ -19,7 +19,9 @@ namespace {
 
 const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
                                                 {"irradiance", Method::kIrradiance},
-                                                {"reference", Method::kReference}};
+                                                {"reference", Method::kReference},
+                                                {"octree", Method::kOctree},
+                                                {"denoised", Method::kDenoised}};
 
 struct Gather {
     GatherRoad road;
@@ -87,10 +89,13 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
 
 void addMethodOptions(CLI::App& app, RenderOptions& o) {
     const std::vector<Method> cached = {Method::kRadiance, Method::kIrradiance};
+    const std::vector<Method> any_cache = {Method::kRadiance, Method::kIrradiance, Method::kOctree};
+    const std::vector<Method> traced = {Method::kReference, Method::kDenoised};
     RenderParams& p = o.params;
     app.add_option("--method", o.method,
-                   "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only) or "
-                   "reference (path tracer)")
+                   "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
+                   "reference (path tracer), or to compare with: denoised (path tracer, filtered), "
+                   "octree (classical irradiance cache, diffuse only)")
         ->check(CLI::IsMember(keysOf(kMethods)))
         ->capture_default_str();
     const auto limited = [&o](CLI::Option* option, std::vector<Method> methods) {
@@ -100,10 +105,10 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
     };
     CLI::Option* accuracy = limited(
         app.add_option("--accuracy", p.placement.accuracy,
-                       "radiance, irradiance: largest error of a record's reuse, smaller is "
-                       "better and slower")
+                       "radiance, irradiance, octree: largest error of a record's reuse, smaller "
+                       "is better and slower")
             ->check(numberIn(0.01, 2)),
-        cached);
+        any_cache);
     limited(app.add_option("--target-error", p.target_error,
                            "radiance, irradiance: render again at finer accuracies until the "
                            "estimated relative error of the indirect light is at most this, "
@@ -124,23 +129,26 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                 ->check(CLI::IsMember(keysOf(kGathers))),
             cached);
     limited(app.add_option("--gather-size", p.gather.size,
-                           "radiance, irradiance: texels along a side of that plane; default: "
-                           "by the accuracy, 38 at 0.4")
+                           "radiance, irradiance: texels along a side of that plane (38 at "
+                           "accuracy 0.4); octree: rings of a record's rays; default: by the "
+                           "accuracy")
                 ->check(numberIn(8, 512)),
-            cached)
+            any_cache)
         ->default_str("");
     o.extent_option = limited(app.add_option("--gather-extent", p.gather.extent,
                                              "radiance, irradiance: half-width of that plane at "
                                              "distance 1; not for a hemicube")
                                   ->check(numberIn(1, 10)),
                               cached);
-    app.add_option("--bounces", p.bounces, "Bounces of indirect light; more than 1: reference only")
+    app.add_option("--bounces", p.bounces,
+                   "Bounces of indirect light; more than 1: reference and denoised only")
         ->check(numberIn(1, 64))
         ->capture_default_str();
-    limited(app.add_option("--spp", p.spp, "reference: paths a pixel")->check(numberIn(1, 65536)),
-            {Method::kReference});
-    limited(app.add_option("--seed", p.seed, "reference: seed of its random numbers"),
-            {Method::kReference});
+    limited(app.add_option("--spp", p.spp, "reference, denoised: paths a pixel")
+                ->check(numberIn(1, 65536)),
+            traced);
+    limited(app.add_option("--seed", p.seed, "reference, denoised: seed of their random numbers"),
+            traced);
 }
 
 void addProgramOptions(CLI::App& app, RenderOptions& o) {
@@ -151,6 +159,10 @@ void addProgramOptions(CLI::App& app, RenderOptions& o) {
         ->type_name("FILE");
 }
 
+bool tracesPaths(Method method) {
+    return method == Method::kReference || method == Method::kDenoised;
+}
+
 void checkMethodOptions(const RenderOptions& o) {
     for (const LimitedOption& limited : o.limited) {
         const auto& methods = limited.methods;
@@ -159,7 +171,7 @@ void checkMethodOptions(const RenderOptions& o) {
             throwUsage("{}: not an option of --method {}", limited.option->get_name(), o.method);
         }
     }
-    if (o.params.method != Method::kReference && o.params.bounces != 1) {
+    if (!tracesPaths(o.params.method) && o.params.bounces != 1) {
         throwUsage("--bounces {}: --method {} computes one bounce", o.params.bounces, o.method);
     }
     if (o.params.gather.kind == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
@@ -198,7 +210,7 @@ std::vector<std::pair<const char*, double>> stagesOf(const StageSeconds& s) {
     return {{"load", s.load},           {"gbuffer", s.gbuffer}, {"shadow", s.shadow},
             {"placement", s.placement}, {"gather", s.gather},   {"project", s.project},
             {"splat", s.splat},         {"compose", s.compose}, {"trace", s.trace},
-            {"write", s.write}};
+            {"denoise", s.denoise},     {"write", s.write}};
 }
 
 Json statsJson(const RenderOptions& o, const RenderStats& stats) {
@@ -224,7 +236,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"too_glossy_share", stats.too_glossy_share},
                  {"sh_order", shOrders(stats.sh_order)},
                  {"gl_renderer", stats.gl_renderer}};
-    if (o.params.method == Method::kReference) {
+    if (tracesPaths(o.params.method)) {
         json["mrays_per_second"] = stats.mrays_per_second;
     }
     return json;
@@ -251,12 +263,14 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
         }
     }
     fmt::print("seconds   {:.3f}: {}\n", stats.seconds.total, stages);
-    if (o.params.method == Method::kReference) {
+    if (tracesPaths(o.params.method)) {
         fmt::print("rays      {:.2f} million a second, {} threads\n", stats.mrays_per_second,
                    threadCount());
     } else {
         fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
                    stats.pixels_uncovered, stats.pixels_geometry);
+    }
+    if (o.params.method == Method::kRadiance || o.params.method == Method::kIrradiance) {
         fmt::print("estimate  rel_rmse of the indirect light {:.1f}%\n",
                    100 * stats.estimated_rel_rmse);
         if (o.params.target_error > 0.0) {

@@ -34,6 +34,18 @@ RTCRay makeRay(const vec3& origin, const vec3& direction, float tfar) {
     return ray;
 }
 
+void setRay(RTCRay8& packet, size_t k, const ShadowRay& ray) {
+    packet.org_x[k] = ray.origin.x;
+    packet.org_y[k] = ray.origin.y;
+    packet.org_z[k] = ray.origin.z;
+    packet.dir_x[k] = ray.direction.x;
+    packet.dir_y[k] = ray.direction.y;
+    packet.dir_z[k] = ray.direction.z;
+    packet.tnear[k] = 0.0f;
+    packet.tfar[k] = ray.distance;
+    packet.mask[k] = 0xffffffffu;
+}
+
 void checkEmbree(RTCDevice device, const char* doing) {
     const RTCError error = rtcGetDeviceError(device);
     if (error != RTC_ERROR_NONE) {
@@ -98,12 +110,50 @@ RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
     return {.triangle = ray.hit.primID, .u = ray.hit.u, .v = ray.hit.v};
 }
 
-bool RayScene::occluded(const vec3& origin, const vec3& direction, float distance) const {
+bool RayScene::occluded(const ShadowRay& shadow) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRay ray = makeRay(origin, direction, distance);
+    RTCRay ray = makeRay(shadow.origin, shadow.direction, shadow.distance);
     rtcOccluded1(embree_.get(), &context, &ray);
     return ray.tfar < 0.0f;  // Embree's sign for "something was hit"
+}
+
+void RayScene::intersect(const vec3& origin, std::span<const vec3> directions, RayHit* hits) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    alignas(32) int cast[kPacket] = {};
+    alignas(32) RTCRayHit8 packet{};
+    for (size_t k = 0; k < directions.size(); ++k) {
+        cast[k] = -1;
+        setRay(packet.ray, k, {origin, directions[k], kInfinity});
+        packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+        packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(cast, embree_.get(), &context, &packet);
+    for (size_t k = 0; k < directions.size(); ++k) {
+        hits[k] =
+            packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID
+                ? RayHit{}
+                : RayHit{
+                      .triangle = packet.hit.primID[k], .u = packet.hit.u[k], .v = packet.hit.v[k]};
+    }
+}
+
+void RayScene::occluded(std::span<const ShadowRay> rays, bool* hidden) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    alignas(32) int cast[kPacket] = {};
+    alignas(32) RTCRay8 packet{};
+    for (size_t k = 0; k < rays.size(); ++k) {
+        cast[k] = rays[k].distance > 0.0f ? -1 : 0;
+        setRay(packet, k, rays[k]);
+    }
+    rtcOccluded8(cast, embree_.get(), &context, &packet);
+    for (size_t k = 0; k < rays.size(); ++k) {
+        hidden[k] = cast[k] != 0 && packet.tfar[k] < 0.0f;
+    }
 }
 
 Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
@@ -130,7 +180,10 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
     const vec2 uv = w * scene_.uvs[t.x] + hit.u * scene_.uvs[t.y] + hit.v * scene_.uvs[t.z];
     const MaterialParams material =
         materialAt(scene_, scene_.materials[scene_.materials_of[hit.triangle]], uv);
-    const vec2 albedo_ab = brdfAlbedo(glm::dot(s.n, wo), material.roughness);
+    // Only a Lambertian surface has no specular lobe, whatever the table says of one.
+    const bool lambertian = material.specular == 0.0f && material.metallic == 0.0f;
+    const vec2 albedo_ab =
+        lambertian ? vec2(0.0f) : brdfAlbedo(glm::dot(s.n, wo), material.roughness);
     s.brdf = shared::makeBrdf(material, albedo_ab);
     s.specular_albedo = s.brdf.f0 * albedo_ab.x + vec3(s.brdf.f90 * albedo_ab.y);
     s.emission = material.emission;

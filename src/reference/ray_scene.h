@@ -5,6 +5,7 @@
 #include <embree3/rtcore.h>
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "image/frame.h"
@@ -38,6 +39,13 @@ struct Surface {
     vec3 rayOrigin() const { return position + offset * n_g; }
 };
 
+/// The way from a surface to a light: t in [0, distance), direction unit.
+struct ShadowRay {
+    vec3 origin{0.0f};
+    vec3 direction{0.0f};
+    float distance = 0.0f;
+};
+
 /// The scene's acceleration structure. The scene must outlive it. Safe to use from many threads.
 class RayScene {
   public:
@@ -46,8 +54,17 @@ class RayScene {
 
     /// The closest hit of origin + t * direction, t >= 0.
     RayHit intersect(const vec3& origin, const vec3& direction) const;
-    /// Whether anything lies at t in [0, distance); direction is unit.
-    bool occluded(const vec3& origin, const vec3& direction, float distance) const;
+    /// Whether anything lies on the way.
+    bool occluded(const ShadowRay& ray) const;
+
+    /// At most this many rays that start near each other and point in similar directions are
+    /// cheaper together.
+    static constexpr int kPacket = 8;
+    /// As above, for each of `directions`; as many `hits`.
+    void intersect(const vec3& origin, std::span<const vec3> directions, RayHit* hits) const;
+    /// As above, for each of `rays`; those of distance 0 are not cast, and not hidden. As many
+    /// `hidden`.
+    void occluded(std::span<const ShadowRay> rays, bool* hidden) const;
     /// The surface at a hit of a ray of direction -wo.
     Surface surfaceAt(const RayHit& hit, const vec3& wo) const;
 

@@ -2,12 +2,13 @@
 
 #include <atomic>
 #include <cmath>
+#include <optional>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "reference/guide.h"
-#include "reference/ray_scene.h"
+#include "reference/light.h"
 #include "reference/sampling.h"
 #include "reference/sobol.h"
 
@@ -16,10 +17,6 @@ namespace {
 
 using glm::dvec3;
 
-// A shadow ray ends this fraction short of its light: a light lying on a surface is not hidden by
-// it.
-constexpr float kShadowRayShare = 1.0f - 1e-5f;
-
 // Of the guide's paths; those of replicates are their index.
 constexpr uint32_t kGuideSeed = 0xffffffffu;
 
@@ -27,59 +24,6 @@ constexpr uint32_t kGuideSeed = 0xffffffffu;
 // 1.4 to 3 times better than 8 x 8 at 256 paths; 8 x 8 at 64 paths no better than none.
 constexpr int kSmallestGuide = 16;
 constexpr int kLargestGuide = 64;
-
-struct Counters {
-    int64_t rays = 0;
-    int64_t nonfinite = 0;
-};
-
-bool finite(const vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-bool black(const vec3& v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
-
-// Radiance that punctual lights send from the surface toward its wo.
-vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) {
-    vec3 sum(0.0f);
-    for (const PunctualLight& light : rays.scene().lights) {
-        const LightSample sample = shared::sampleLight(light, s.position);
-        const float NoL = glm::dot(s.n, sample.wi);
-        if (NoL <= 0.0f || glm::dot(s.n_g, sample.wi) <= 0.0f) {
-            continue;
-        }
-        const vec3 radiance =
-            shared::evalBrdf(s.brdf, s.n, s.wo, sample.wi) * sample.irradiance * NoL;
-        if (black(radiance)) {
-            continue;
-        }
-        ++counters.rays;
-        const vec3 origin = s.rayOrigin();
-        bool hidden = false;
-        if (sample.distance < 0.0f) {
-            hidden = rays.occluded(origin, sample.wi, kInfinity);
-        } else {
-            const vec3 to_light = light.position - origin;
-            const float distance = glm::length(to_light);
-            hidden = distance > 0.0f &&
-                     rays.occluded(origin, to_light / distance, distance * kShadowRayShare);
-        }
-        if (!hidden) {
-            sum += radiance;
-        }
-    }
-    return sum;
-}
-
-// What a path meets that leaves a surface in direction wi. The hemisphere of a shading normal
-// reaches below the geometric surface, from where no light comes.
-RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters& counters) {
-    if (glm::dot(s.n_g, wi) <= 0.0f) {
-        return {};
-    }
-    ++counters.rays;
-    return rays.intersect(s.rayOrigin(), wi);
-}
 
 // One sample of the indirect radiance, and of its diffuse part.
 struct Indirect {
@@ -201,45 +145,14 @@ void estimateIndirect(const Context& context, const Surface& p, int x, int y, Fr
     frame.indirect_diffuse_variance.at(x, y) = diffuse.varianceOfMean();
 }
 
-void renderPixel(const Context& context, int x, int y, Frame& frame, Counters& counters) {
-    const ReferenceParams& params = context.params;
-    const CameraRay ray = cameraRay(params.camera, params.width, params.height,
-                                    static_cast<float>(x), static_cast<float>(y));
-    ++counters.rays;
-    const RayHit hit = context.rays.intersect(ray.origin, ray.direction);
-    if (!hit.found()) {
-        return;
+void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
+                 Counters& counters) {
+    const std::optional<Surface> p =
+        seePixel(context.rays, context.params.camera, x, y, result.frame, counters);
+    if (p) {
+        result.specular_albedo.at(x, y) = p->specular_albedo;
+        estimateIndirect(context, *p, x, y, result.frame, counters);
     }
-    const Surface p = context.rays.surfaceAt(hit, -ray.direction);
-    const vec3 forward = -vec3(params.camera.world_from_camera[2]);
-    frame.primitive.at(x, y) = hit.triangle;
-    frame.depth.at(x, y) = glm::dot(p.position - ray.origin, forward);
-    frame.position.at(x, y) = p.position;
-    frame.normal.at(x, y) = p.n;
-    frame.albedo.at(x, y) = p.brdf.diffuse;
-    frame.roughness.at(x, y) = p.roughness;
-    frame.emission.at(x, y) = p.emission;
-    const vec3 direct = directRadiance(context.rays, p, counters);
-    if (finite(direct)) {
-        frame.direct.at(x, y) = direct;
-    } else {
-        ++counters.nonfinite;
-    }
-    estimateIndirect(context, p, x, y, frame, counters);
-}
-
-Frame emptyFrame(int width, int height) {
-    Frame frame;
-    for (Image<vec3>* layer :
-         {&frame.direct, &frame.indirect, &frame.indirect_diffuse, &frame.emission, &frame.albedo,
-          &frame.normal, &frame.position, &frame.indirect_variance,
-          &frame.indirect_diffuse_variance, &frame.direct_variance}) {
-        *layer = Image<vec3>(width, height, vec3(0.0f));
-    }
-    frame.roughness = Image<float>(width, height, 0.0f);
-    frame.depth = Image<float>(width, height, kInfinity);
-    frame.primitive = Image<uint32_t>(width, height, kNoPrimitive);
-    return frame;
 }
 
 void checkParams(const ReferenceParams& params) {
@@ -281,13 +194,18 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
     ReferenceResult result;
     result.spp = context.samples_per_replicate * params.replicates;
     result.frame = emptyFrame(params.width, params.height);
+    for (Image<vec3>* layer :
+         {&result.frame.indirect_variance, &result.frame.indirect_diffuse_variance,
+          &result.frame.direct_variance, &result.specular_albedo}) {
+        *layer = Image<vec3>(params.width, params.height, vec3(0.0f));
+    }
     std::atomic<int64_t> ray_count{0};
     std::atomic<int64_t> nonfinite{0};
     Progress progress("path tracing", params.height, params.quiet);
     parallelFor(params.height, [&](int y) {
         Counters counters;
         for (int x = 0; x < params.width; ++x) {
-            renderPixel(context, x, y, result.frame, counters);
+            renderPixel(context, x, y, result, counters);
         }
         ray_count += counters.rays;
         nonfinite += counters.nonfinite;

@@ -35,6 +35,7 @@ struct ReferenceResult {
     /// All layers but the cache's. Variances are of the mean, [pixel], per channel, in nits^2;
     /// that of `direct`, which has no sampling, is 0.
     Frame frame;
+    Image<vec3> specular_albedo;    ///< of the specular lobe toward the camera
     double mrays_per_second = 0.0;  ///< camera, gather and shadow rays, in millions
     double seconds = 0.0;           ///< wall clock, building the acceleration structure included
     int spp = 0;                    ///< paths a pixel after rounding

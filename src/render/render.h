@@ -12,7 +12,7 @@
 
 namespace sheen {
 
-enum class Method { kRadiance, kIrradiance, kReference };
+enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised };
 
 /// What finds the light around a record: rays on the CPU or the rasteriser.
 enum class GatherRoad { kRays, kRaster };
@@ -23,7 +23,8 @@ struct RenderParams {
     int width = 512;
     int height = 512;
     std::string camera;  ///< name or index; empty: the scene's first
-    // The cached methods.
+    // The cached methods; of these the octree heeds the accuracy and, as rings of rays,
+    // gather.size.
     PlacementParams placement;
     /// Above 0: the accuracy is lowered from 1, in several passes, until the image's error is
     /// estimated to be at most this; placement.accuracy is not used.
@@ -31,9 +32,9 @@ struct RenderParams {
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;
     HemisphereParams gather{.size = 0};  ///< size 0: by the accuracy
-    // The reference.
+    // The path tracer, plain and denoised.
     int bounces = 1;
-    int spp = 256;  ///< rays a pixel, over all replicates
+    int spp = 256;  ///< paths a pixel, over all replicates
     uint32_t seed = 0;
     bool all_layers = false;  ///< also make the layers of `--layers all`
     bool quiet = false;       ///< no progress
@@ -49,7 +50,7 @@ struct MaterialOrder {
 /// program.
 struct StageSeconds {
     double total = 0, load = 0, gbuffer = 0, shadow = 0, placement = 0, gather = 0, project = 0,
-           splat = 0, compose = 0, trace = 0, write = 0;
+           splat = 0, compose = 0, trace = 0, denoise = 0, write = 0;
 };
 
 /// What the program prints and writes as --json.
@@ -60,16 +61,17 @@ struct RenderStats {
     int pixels_uncovered = 0;  ///< of these, without any record
     int nonfinite_pixels = 0;
     int negative_pixels = 0;  ///< clamped at compose
-    /// Of the indirect layer, as the records tell (estimateRelRmse()); 0 for the reference.
+    /// Of the indirect layer, as the records tell (estimateRelRmse()); 0 but for Sheen's own
+    /// methods.
     double estimated_rel_rmse = 0;
-    float accuracy = 0;           ///< that the frame was rendered with; 0 for the reference
+    float accuracy = 0;           ///< that the frame was rendered with; 0 for other methods
     int gather_size = 0;          ///< likewise
     int passes = 0;               ///< that a target error took; else 1
     double diffuse_share = 0;     ///< of pixels_geometry, classified as diffuse
     double too_glossy_share = 0;  ///< of pixels_geometry, smoother than the highest order resolves
     std::vector<MaterialOrder> sh_order;
-    std::string gl_renderer;      ///< empty for the reference
-    double mrays_per_second = 0;  ///< reference only
+    std::string gl_renderer;      ///< empty where none was used
+    double mrays_per_second = 0;  ///< path-traced methods only
 };
 
 struct RenderResult {

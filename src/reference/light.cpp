@@ -1,0 +1,140 @@
+#include "reference/light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sheen {
+namespace {
+
+// A shadow ray ends this fraction short of its light: a light lying on a surface is not hidden by
+// it.
+constexpr float kShadowRayShare = 1.0f - 1e-5f;
+
+// What a light sends by way of a surface toward its wo if nothing is between them.
+struct Arriving {
+    vec3 radiance{0.0f};
+    ShadowRay way;  // of distance 0 where no ray is needed
+};
+
+Arriving arrivingFrom(const PunctualLight& light, const Surface& s) {
+    const LightSample sample = shared::sampleLight(light, s.position);
+    const float NoL = glm::dot(s.n, sample.wi);
+    if (NoL <= 0.0f || glm::dot(s.n_g, sample.wi) <= 0.0f) {
+        return {};
+    }
+    Arriving arriving;
+    arriving.radiance = shared::evalBrdf(s.brdf, s.n, s.wo, sample.wi) * sample.irradiance * NoL;
+    if (black(arriving.radiance)) {
+        return {};
+    }
+    arriving.way = {.origin = s.rayOrigin(), .direction = sample.wi, .distance = kInfinity};
+    if (sample.distance >= 0.0f) {
+        const vec3 to_light = light.position - arriving.way.origin;
+        const float distance = glm::length(to_light);
+        arriving.way.distance = distance * kShadowRayShare;
+        arriving.way.direction = distance > 0.0f ? to_light / distance : sample.wi;
+    }
+    return arriving;
+}
+
+}  // namespace
+
+bool finite(const vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool black(const vec3& v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
+
+vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) {
+    vec3 sum(0.0f);
+    for (const PunctualLight& light : rays.scene().lights) {
+        const Arriving arriving = arrivingFrom(light, s);
+        if (black(arriving.radiance)) {
+            continue;
+        }
+        ++counters.rays;
+        if (arriving.way.distance == 0.0f || !rays.occluded(arriving.way)) {
+            sum += arriving.radiance;
+        }
+    }
+    return sum;
+}
+
+void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec3* radiance,
+                    Counters& counters) {
+    constexpr auto kPacket = static_cast<size_t>(RayScene::kPacket);
+    SHEEN_CHECK(surfaces.size() <= kPacket);
+    std::fill_n(radiance, surfaces.size(), vec3(0.0f));
+    for (const PunctualLight& light : rays.scene().lights) {
+        std::array<vec3, kPacket> unshadowed;
+        std::array<ShadowRay, kPacket> ways;
+        bool any = false;
+        for (size_t k = 0; k < surfaces.size(); ++k) {
+            const Arriving arriving = arrivingFrom(light, surfaces[k]);
+            unshadowed[k] = arriving.radiance;
+            ways[k] = arriving.way;
+            if (!black(arriving.radiance)) {
+                ++counters.rays;
+                any = true;
+            }
+        }
+        if (!any) {
+            continue;
+        }
+        std::array<bool, kPacket> hidden;
+        rays.occluded({ways.data(), surfaces.size()}, hidden.data());
+        for (size_t k = 0; k < surfaces.size(); ++k) {
+            radiance[k] += hidden[k] ? vec3(0.0f) : unshadowed[k];
+        }
+    }
+}
+
+RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters& counters) {
+    if (glm::dot(s.n_g, wi) <= 0.0f) {
+        return {};
+    }
+    ++counters.rays;
+    return rays.intersect(s.rayOrigin(), wi);
+}
+
+Frame emptyFrame(int width, int height) {
+    Frame frame;
+    for (Image<vec3>* layer : {&frame.direct, &frame.indirect, &frame.indirect_diffuse,
+                               &frame.emission, &frame.albedo, &frame.normal, &frame.position}) {
+        *layer = Image<vec3>(width, height, vec3(0.0f));
+    }
+    frame.roughness = Image<float>(width, height, 0.0f);
+    frame.depth = Image<float>(width, height, kInfinity);
+    frame.primitive = Image<uint32_t>(width, height, kNoPrimitive);
+    return frame;
+}
+
+std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
+                                Frame& frame, Counters& counters) {
+    const CameraRay ray = cameraRay(camera, frame.width(), frame.height(), static_cast<float>(x),
+                                    static_cast<float>(y));
+    ++counters.rays;
+    const RayHit hit = rays.intersect(ray.origin, ray.direction);
+    if (!hit.found()) {
+        return std::nullopt;
+    }
+    const Surface p = rays.surfaceAt(hit, -ray.direction);
+    const vec3 forward = -vec3(camera.world_from_camera[2]);
+    frame.primitive.at(x, y) = hit.triangle;
+    frame.depth.at(x, y) = glm::dot(p.position - ray.origin, forward);
+    frame.position.at(x, y) = p.position;
+    frame.normal.at(x, y) = p.n;
+    frame.albedo.at(x, y) = p.brdf.diffuse;
+    frame.roughness.at(x, y) = p.roughness;
+    frame.emission.at(x, y) = p.emission;
+    const vec3 direct = directRadiance(rays, p, counters);
+    if (finite(direct)) {
+        frame.direct.at(x, y) = direct;
+    } else {
+        ++counters.nonfinite;
+    }
+    return p;
+}
+
+}  // namespace sheen
