@@ -320,11 +320,11 @@ TEST(LobePrediction, KnowsWhatTheHighestOrderMisses) {
     // Every band of a mirror's lobe is 2 l + 1 times the square of band 0.
     double mirror = 0.0;
     for (int l = shared::SH_MAX_ORDER; l < 400; ++l) {
-        mirror += (2.0 * l + 1.0) * std::pow(l + 1.0, -2.6);
+        mirror += (2.0 * l + 1.0) * std::pow(l + 1.0, -2.0);
     }
     constexpr int kOrder = shared::SH_MAX_ORDER;
     EXPECT_NEAR(predictLobeError(0.9f, 0.0f).truncated[kOrder], std::sqrt(mirror),
-                0.1 * std::sqrt(mirror));
+                0.15 * std::sqrt(mirror));
     EXPECT_LT(predictLobeError(0.9f, 1.0f).truncated[kOrder], 1e-3f);
     float last = kInfinity;
     for (float roughness : {0.0f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f}) {

@@ -7,15 +7,19 @@
 namespace sheen {
 
 const std::vector<SweepMethod>& sweepMethods() {
-    // Finer reuse without more texels a record leaves the texels' own noise, and the reverse: the
-    // pairs grow together. 0.5 and 34 are the program's defaults.
-    static const std::vector<SweepSetting> kAccuracies = {
-        {{"1.5", "24"}, 0.9}, {{"1", "28"}, 1.5},  {{"0.7", "34"}, 2.4},
-        {{"0.5", "34"}, 3.2}, {{"0.35", "40"}, 6}, {{"0.25", "48"}, 13}};
+    // 0.4 is the program's default.
+    static const std::vector<SweepSetting> kAccuracies = {{"2", 0.9},   {"1", 1.3},  {"0.6", 2.2},
+                                                          {"0.4", 3.5}, {"0.25", 8}, {"0.15", 20}};
+    static const std::vector<SweepSetting> kPaths = {{"16", 1.5}, {"64", 4}, {"256", 25}};
     static const std::vector<SweepMethod> kMethods = {
-        {"radiance", "radiance cache", {"--accuracy", "--gather-size"}, kAccuracies},
-        {"irradiance", "irradiance cache", {"--accuracy", "--gather-size"}, kAccuracies},
-        {"reference", "path tracer", {"--spp"}, {{{"16"}, 2}, {{"64"}, 8}, {{"256"}, 30}}},
+        {"radiance", "radiance cache", "--accuracy", kAccuracies},
+        {"irradiance", "irradiance cache", "--accuracy", kAccuracies},
+        {"octree",
+         "octree (Ward)",
+         "--accuracy",
+         {{"1.5", 0.7}, {"0.8", 1}, {"0.4", 3}, {"0.25", 8}}},
+        {"reference", "path tracer", "--spp", kPaths},
+        {"denoised", "path tracer, denoised", "--spp", kPaths},
     };
     return kMethods;
 }
@@ -40,21 +44,11 @@ std::vector<SweepMethod> chooseMethods(const std::vector<std::string>& names) {
 }
 
 std::vector<std::string> settingArguments(const SweepMethod& method, const SweepSetting& setting) {
-    SHEEN_CHECK_EQ(method.options.size(), setting.values.size());
-    std::vector<std::string> arguments = {"--method", method.name};
-    for (size_t i = 0; i < method.options.size(); ++i) {
-        arguments.push_back(method.options[i]);
-        arguments.push_back(setting.values[i]);
-    }
-    return arguments;
+    return {"--method", method.name, method.option, setting.value};
 }
 
 std::string settingLabel(const SweepMethod& method, const SweepSetting& setting) {
-    std::string label;
-    for (size_t i = 0; i < method.options.size(); ++i) {
-        label += (i == 0 ? "" : ", ") + method.options[i].substr(2) + " " + setting.values[i];
-    }
-    return label;
+    return method.option.substr(2) + " " + setting.value;
 }
 
 }  // namespace sheen

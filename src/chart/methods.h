@@ -6,18 +6,18 @@
 
 namespace sheen {
 
-/// One point of a method's curve: values for its options, and what rendering it costs, in seconds
+/// One point of a method's curve: a value for its option, and what rendering it costs, in seconds
 /// for cornell_glossy at 512 x 512 on two cores; only ratios matter, to predict the time left.
 struct SweepSetting {
-    std::vector<std::string> values;
+    std::string value;
     double cost = 1;
 };
 
 struct SweepMethod {
     std::string name;                    ///< of `sheen render --method`
     std::string label;                   ///< in the report
-    std::vector<std::string> options;    ///< of `sheen render`, what is swept
-    std::vector<SweepSetting> settings;  ///< from the fastest on; each has a value for each option
+    std::string option;                  ///< of `sheen render`, what is swept
+    std::vector<SweepSetting> settings;  ///< from the fastest on
 };
 
 /// In the order of the report.
@@ -30,7 +30,7 @@ std::vector<SweepMethod> chooseMethods(const std::vector<std::string>& names);
 /// The command line's part that makes the setting: --method NAME --option value ...
 std::vector<std::string> settingArguments(const SweepMethod& method, const SweepSetting& setting);
 
-/// The same for people: "accuracy 0.5, gather-size 34".
+/// The same for people: "accuracy 0.4".
 std::string settingLabel(const SweepMethod& method, const SweepSetting& setting);
 
 }  // namespace sheen
