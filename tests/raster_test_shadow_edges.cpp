@@ -87,11 +87,11 @@ Image<char> nearShadowEdges(const Scene& scene) {
     return mask;
 }
 
-// The cached methods' direct layer, without what they do afterwards.
+// The direct layer where records rasterise, without what they do afterwards.
 GBuffer directLight(const Scene& scene) {
     gl::WorkerPool pool(1);
     GpuScene gpu;
-    pool.runOnFirst([&] { gpu = uploadScene(scene); });
+    pool.runOnFirst([&] { gpu = uploadScene(scene, GpuUse::kGather); });
     renderShadowMaps(pool, scene, gpu);
     GBuffer g = renderGBuffer(pool, scene, gpu, scene.cameras.front(), kSize, kSize);
     pool.runOnFirst([&] { gpu = {}; });

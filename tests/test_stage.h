@@ -10,7 +10,7 @@ namespace sheen {
 class TestStage {
   public:
     explicit TestStage(const Scene& scene, int workers = 2) : scene_(scene), pool(workers) {
-        pool.runOnFirst([&] { gpu = uploadScene(scene_); });
+        pool.runOnFirst([&] { gpu = uploadScene(scene_, GpuUse::kGather); });
         renderShadowMaps(pool, scene_, gpu);
         lightSurfaces(pool, gpu);
     }

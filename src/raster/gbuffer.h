@@ -16,7 +16,7 @@ struct GBuffer {
     Image<vec4> normal;    ///< shading normal, world space; w: perceptual roughness
     Image<vec4> diffuse;   ///< diffuse reflectance toward the camera; w: F90
     Image<vec4> f0;        ///< specular F0; w: unused
-    Image<vec4> direct;    ///< radiance of direct light; w: unused
+    Image<vec4> direct;    ///< radiance of direct light; w: unused; black for GpuUse::kCamera
     Image<vec4> emission;  ///< radiance; w: unused
     Image<uint32_t> primitive;
     float pixel_angle = 0;  ///< width of a pixel at depth 1
@@ -26,7 +26,8 @@ struct GBuffer {
     vec3 geometricNormalAt(const Scene& scene, int i) const;
 };
 
-/// Rasterises the scene and lights it directly; needs the shadow maps.
+/// Rasterises the scene and lights it directly, for which it needs the shadow maps; not what was
+/// uploaded for the camera alone.
 GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
                       const Camera& camera, int width, int height);
 

@@ -132,10 +132,11 @@ void uploadMaterials(const Scene& scene, GpuScene& gpu) {
 
 }  // namespace
 
-GpuScene uploadScene(const Scene& scene) {
+GpuScene uploadScene(const Scene& scene, GpuUse use) {
+    const bool gathers = use == GpuUse::kGather;
     GpuScene gpu;
-    gpu.light_count = static_cast<int>(scene.lights.size());
-    const ClusteredMesh mesh = buildClusters(scene);
+    gpu.light_count = gathers ? static_cast<int>(scene.lights.size()) : 0;
+    const ClusteredMesh mesh = buildClusters(scene, gathers);
     gpu.clusters = mesh.clusters;
     // The visibility pass needs only positions: vertices that share one become one.
     std::vector<uint32_t> indices;
@@ -161,11 +162,13 @@ GpuScene uploadScene(const Scene& scene) {
             }
         }
     }
-    gpu.lit_triangles = layOutSurfaceLight(scene, mesh);
-    uint32_t light_texel = 0;
-    for (size_t i = 0; i < packed.size(); ++i) {
-        packed[i].light_texel = light_texel;
-        light_texel += 1u << (2 * gpu.lit_triangles[i].log2_size);
+    if (gathers) {
+        gpu.lit_triangles = layOutSurfaceLight(scene, mesh);
+        uint32_t light_texel = 0;
+        for (size_t i = 0; i < packed.size(); ++i) {
+            packed[i].light_texel = light_texel;
+            light_texel += 1u << (2 * gpu.lit_triangles[i].log2_size);
+        }
     }
     gpu.positions = gl::makeBuffer(std::span<const vec3>(positions));
     gpu.indices = std::move(indices);

@@ -42,8 +42,12 @@ struct GpuScene {
     gl::Buffer surface_light;  ///< front and back radiance as halves, see gather/lambert.frag
 };
 
+/// What a scene is uploaded for: to be seen by the camera alone, unlit; or lit, and by records too,
+/// which takes levels of detail and texels for light on surfaces.
+enum class GpuUse { kCamera, kGather };
+
 /// Packs and uploads `scene`; runs on a worker's context.
-GpuScene uploadScene(const Scene& scene);
+GpuScene uploadScene(const Scene& scene, GpuUse use);
 
 /// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot and
 /// for a directional light, whose view covers the scene's bounds.

@@ -167,13 +167,14 @@ LightCells::LitTriangle LightCells::light(const RayCaster& rays, uint32_t index,
         std::vector<uint32_t> reached(uvs.size());
         for (size_t first = 0; first < uvs.size(); first += RayCaster::kPacket) {
             const size_t count = std::min<size_t>(RayCaster::kPacket, uvs.size() - first);
-            vec3 points[RayCaster::kPacket];
-            for (size_t k = 0; k < count; ++k) {
-                points[k] = triangle.at(uvs[first + k]);
-            }
+            RayCaster::Receiver receivers[RayCaster::kPacket];
             for (size_t l = 0; l < light_count; ++l) {
-                const uint32_t lit = rays.reached(scene.lights[l], {points, count},
-                                                  (facing[0] & bit(l)) != 0 ? front : -front);
+                for (size_t k = 0; k < count; ++k) {
+                    receivers[k] = {.position = triangle.at(uvs[first + k]),
+                                    .n_g = (facing[0] & bit(l)) != 0 ? front : -front,
+                                    .toward_viewer = vec3(0.0f)};
+                }
+                const uint32_t lit = rays.reached(scene.lights[l], {receivers, count});
                 for (size_t k = 0; k < count; ++k) {
                     reached[first + k] |= (lit >> k & 1u) != 0 ? bit(l) : 0u;
                 }

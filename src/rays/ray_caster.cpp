@@ -143,20 +143,20 @@ void RayCaster::cast(const Rays& rays, vec4* seen, const LightCells* cells) cons
     }
 }
 
-uint32_t RayCaster::reached(const PunctualLight& light, std::span<const vec3> points,
-                            const vec3& n_g) const {
-    SHEEN_CHECK(points.size() <= kPacket);
+uint32_t RayCaster::reached(const PunctualLight& light, std::span<const Receiver> receivers) const {
+    SHEEN_CHECK(receivers.size() <= kPacket);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     Mask facing;
     alignas(32) RTCRay8 shadow;
-    for (size_t i = 0; i < points.size(); ++i) {
-        const LightSample sample = shared::sampleLight(light, points[i]);
-        if (glm::dot(n_g, sample.wi) > 0.0f && sample.irradiance != vec3(0.0f)) {
+    for (size_t i = 0; i < receivers.size(); ++i) {
+        const Receiver& r = receivers[i];
+        const LightSample sample = shared::sampleLight(light, r.position);
+        if (glm::dot(r.n_g, sample.wi) > 0.0f && sample.irradiance != vec3(0.0f)) {
             const auto k = static_cast<int>(i);
             facing.lanes[k] = -1;
-            setShadowRay(shadow, k, origin(points[i], n_g, vec3(0.0f)), light, sample);
+            setShadowRay(shadow, k, origin(r.position, r.n_g, r.toward_viewer), light, sample);
         }
     }
     rtcOccluded8(facing.lanes, embree_.get(), &context, &shadow);

@@ -42,10 +42,13 @@ class RayCaster {
     /// for.
     void cast(const Rays& rays, vec4* seen, const LightCells* cells = nullptr) const;
 
-    /// Which of at most kPacket points of one plane get light from `light` on the side of n_g: bit
-    /// k is the k-th point's.
-    uint32_t reached(const PunctualLight& light, std::span<const vec3> points,
-                     const vec3& n_g) const;
+    /// A point of a surface that may be lit; for the vectors see origin().
+    struct Receiver {
+        vec3 position, n_g, toward_viewer;
+    };
+    /// Which of at most kPacket receivers get light from `light` on the side of n_g: bit k is the
+    /// k-th one's.
+    uint32_t reached(const PunctualLight& light, std::span<const Receiver> receivers) const;
 
     /// Where a ray starts that leaves a point of a surface, whose geometric normal n_g is on the
     /// side of the unit direction `toward_viewer`, from where the point is seen (zero: from

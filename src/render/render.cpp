@@ -7,6 +7,7 @@
 #include "baselines/denoise.h"
 #include "baselines/irradiance_cache.h"
 #include "cache/classes.h"
+#include "cache/direct_rays.h"
 #include "cache/estimate.h"
 #include "cache/placement.h"
 #include "cache/raster_gather.h"
@@ -104,16 +105,18 @@ struct Stage {
     }
 };
 
-// scene -> raster (shadow maps, G-buffer) -> classes -> rays where the cache cannot follow -> light
-// on surfaces, for records to see.
+// scene -> G-buffer -> classes -> light on surfaces, for records to see -> rays where the cache
+// cannot follow. Direct light comes from rays where records use rays, else from shadow maps.
 Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds)
     // Only the raster gather draws with more than one context.
     : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount()),
       traced(params.width, params.height) {
     const bool by_rays = params.gather_road == GatherRoad::kRays;
     const Timer shadow_timer;
-    pool.runOnFirst([&] { gpu = uploadScene(scene); });
-    renderShadowMaps(pool, scene, gpu);
+    pool.runOnFirst([&] { gpu = uploadScene(scene, by_rays ? GpuUse::kCamera : GpuUse::kGather); });
+    if (!by_rays) {
+        renderShadowMaps(pool, scene, gpu);
+    }
     seconds.shadow = shadow_timer.seconds();
 
     const Timer gbuffer_timer;
@@ -127,15 +130,21 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     if (by_rays || classes.too_glossy > 0) {
         rays.emplace(scene);
     }
-    if (classes.too_glossy > 0) {
-        traced = gatherSpecular(*rays, scene, gbuffer, classes);
-    }
     if (by_rays) {
         cells.emplace(*rays);
     } else {
         lightSurfaces(pool, gpu);
     }
+    if (classes.too_glossy > 0) {
+        traced = gatherSpecular(*rays, scene, gbuffer, classes);
+    }
     seconds.gather = gather_timer.seconds();
+
+    if (by_rays) {
+        const Timer direct_timer;
+        gbuffer.direct = traceDirect(*rays, gbuffer);
+        seconds.shadow += direct_timer.seconds();
+    }
 }
 
 // Places records with a gatherer of either kind, and adds how long each part took.

@@ -1,0 +1,57 @@
+#include "cache/direct_rays.h"
+
+#include <algorithm>
+
+#include "core/parallel.h"
+#include "rays/surface_point.h"
+
+namespace sheen {
+
+Image<vec4> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
+    constexpr int kPacket = RayCaster::kPacket;
+    const Scene& scene = rays.scene();
+    Image<vec4> direct(gbuffer.width, gbuffer.height);
+    parallelFor(gbuffer.height, [&](int y) {
+        size_t pixels[kPacket];
+        RayCaster::Receiver receivers[kPacket];
+        for (int x = 0; x < gbuffer.width;) {
+            // The row's next pixels that see something.
+            size_t count = 0;
+            for (; x < gbuffer.width && count < kPacket; ++x) {
+                const int i = y * gbuffer.width + x;
+                if (!gbuffer.seen(i)) {
+                    continue;
+                }
+                pixels[count] = static_cast<size_t>(i);
+                const vec3 position(gbuffer.position.pixels[pixels[count]]);
+                receivers[count++] = {
+                    .position = position,
+                    .n_g = gbuffer.geometricNormalAt(scene, i),
+                    .toward_viewer = glm::normalize(gbuffer.view.origin - position)};
+            }
+            for (const PunctualLight& light : scene.lights) {
+                const uint32_t lit = rays.reached(light, {receivers, count});
+                for (size_t k = 0; k < count; ++k) {
+                    if ((lit >> k & 1u) == 0) {
+                        continue;
+                    }
+                    const size_t i = pixels[k];
+                    const vec4& normal = gbuffer.normal.pixels[i];
+                    const vec4& diffuse = gbuffer.diffuse.pixels[i];
+                    const Surface surface{.n = vec3(normal),
+                                          .brdf = {.diffuse = vec3(diffuse),
+                                                   .alpha = shared::alphaFromRoughness(normal.w),
+                                                   .f0 = vec3(gbuffer.f0.pixels[i]),
+                                                   .f90 = diffuse.w}};
+                    direct.pixels[i] +=
+                        vec4(scattered(surface, receivers[k].toward_viewer,
+                                       shared::sampleLight(light, receivers[k].position)),
+                             0.0f);
+                }
+            }
+        }
+    });
+    return direct;
+}
+
+}  // namespace sheen
