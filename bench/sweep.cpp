@@ -1,12 +1,15 @@
 // sweep SCENE REFERENCE.exr [KEY=VALUE ...]: renders a scene with some of the parameters changed
 // that the program has no option for, and prints one line: cost, and error of the indirect layer.
-// What docs/decisions.md reports is measured with it.
+// KEY=@N searches the value, above 0, that takes N records within 3%: error controls are compared
+// at equal numbers. What docs/decisions.md reports is measured with it.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <charconv>
+#include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -50,20 +53,58 @@ const std::map<std::string, Setter> kSetters = {
     {"threads", [](RenderParams&, float v) { setThreadCount(static_cast<int>(v)); }},
 };
 
-void set(RenderParams& params, const std::string& argument) {
+struct Setting {
+    Setter set;
+    float value = 0.0f;
+    int records = 0;  // not 0: the value is to be searched that takes so many
+};
+
+Setting parseSetting(const std::string& argument) {
     const size_t equals = argument.find('=');
     const auto setter = kSetters.find(argument.substr(0, equals));
-    float value = 0.0f;
+    Setting setting;
     const char* end = argument.data() + argument.size();
+    const bool search = equals != std::string::npos && argument[equals + 1] == '@';
+    const char* first = argument.data() + equals + (search ? 2 : 1);
     if (setter == kSetters.end() || equals == std::string::npos ||
-        std::from_chars(argument.data() + equals + 1, end, value).ptr != end) {
+        (search ? std::from_chars(first, end, setting.records).ptr
+                : std::from_chars(first, end, setting.value).ptr) != end ||
+        (search && setting.records <= 0)) {
         std::string keys;
         for (const auto& [key, unused] : kSetters) {
             keys += " " + key;
         }
-        throwUsage("{}: not KEY=NUMBER with one of the keys{}", argument, keys);
+        throwUsage("{}: not KEY=NUMBER or KEY=@RECORDS with one of the keys{}", argument, keys);
     }
-    setter->second(params, value);
+    setting.set = setter->second;
+    return setting;
+}
+
+// Sets the value that takes about the setting's records, the more of them the smaller it is: by
+// doubling, then by interpolating logarithms. The nearest it finds, if none is near.
+void search(const Scene& scene, const Setting& setting, RenderParams& params) {
+    constexpr int kTries = 12;
+    constexpr double kNear = 0.03;
+    struct Tried {
+        double value, records;
+    };
+    std::optional<Tried> few, many;  // the nearest on either side
+    double value = 1.0;
+    for (int i = 0; i < kTries; ++i) {
+        setting.set(params, static_cast<float>(value));
+        const double records = std::max(renderFrame(scene, params).stats.records, 1);
+        if (std::abs(records / setting.records - 1.0) < kNear) {
+            return;
+        }
+        (records < setting.records ? few : many) = Tried{value, records};
+        if (few && many && few->records != many->records) {
+            const double share =
+                std::log(setting.records / few->records) / std::log(many->records / few->records);
+            value = few->value * std::pow(many->value / few->value, glm::clamp(share, 0.1, 0.9));
+        } else {
+            value = few ? 0.5 * few->value : 2.0 * many->value;
+        }
+    }
 }
 
 double cpuSeconds() {
@@ -83,8 +124,17 @@ void sweep(const std::vector<std::string>& arguments) {
     params.width = truth.width;
     params.height = truth.height;
     params.quiet = true;
+    std::optional<Setting> searched;
     for (size_t i = 2; i < arguments.size(); ++i) {
-        set(params, arguments[i]);
+        const Setting setting = parseSetting(arguments[i]);
+        if (setting.records > 0) {
+            searched = setting;
+        } else {
+            setting.set(params, setting.value);
+        }
+    }
+    if (searched) {
+        search(scene, *searched, params);
     }
     const Timer timer;
     const double cpu_before = cpuSeconds();
