@@ -106,9 +106,8 @@ WardRecord integrateCells(const WardStrata& strata, std::span<const WardCell> ce
     record.irradiance = kPi / static_cast<float>(strata.count()) * sum;
     record.rotation = world_from_local * rotation;
     record.translation = world_from_local * translation;
-    record.radius = inverse_distance > 0.0f
-                        ? static_cast<float>(strata.count()) / inverse_distance
-                        : kInfinity;
+    record.radius =
+        inverse_distance > 0.0f ? static_cast<float>(strata.count()) / inverse_distance : kInfinity;
     const vec3 weights(0.2126f, 0.7152f, 0.0722f);
     const float slope = glm::length(record.translation * weights);
     if (slope > 0.0f) {
