@@ -78,7 +78,8 @@ TEST(WardRecord, HarmonicMeanDistance) {
 }
 
 TEST(WardRecord, NothingSeen) {
-    const RayScene rays{Scene{}};
+    const Scene scene;
+    const RayScene rays(scene);
     const WardRecord r = gather(rays, vec3(1), vec3(0, 1, 0), 4);
     EXPECT_EQ(r.irradiance, vec3(0.0f));
     EXPECT_EQ(r.translation, mat3(0.0f));
