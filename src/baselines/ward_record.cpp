@@ -108,8 +108,7 @@ WardRecord integrateCells(const WardStrata& strata, std::span<const WardCell> ce
     record.translation = world_from_local * translation;
     record.radius =
         inverse_distance > 0.0f ? static_cast<float>(strata.count()) / inverse_distance : kInfinity;
-    const vec3 weights(0.2126f, 0.7152f, 0.0722f);
-    const float slope = glm::length(record.translation * weights);
+    const float slope = glm::length(record.translation * kLuminanceWeights);
     if (slope > 0.0f) {
         record.radius = std::min(record.radius, luminance(record.irradiance) / slope);
     }

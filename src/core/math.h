@@ -22,7 +22,8 @@ constexpr float kPi = 3.14159265358979323846f;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Of a linear Rec. 709 colour.
-inline float luminance(const vec3& c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
+constexpr vec3 kLuminanceWeights(0.2126f, 0.7152f, 0.0722f);
+inline float luminance(const vec3& c) { return glm::dot(kLuminanceWeights, c); }
 
 /// Of two arrays of n, in several partial sums, since the compiler may not reorder one.
 inline float dotProduct(const float* a, const float* b, size_t n) {

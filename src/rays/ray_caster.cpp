@@ -24,6 +24,13 @@ struct alignas(32) Mask {
     int lanes[kPacket] = {};  // -1: in use
 };
 
+RTCIntersectContext coherentContext() {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    return context;
+}
+
 void setRay(RTCRay8& rays, int lane, const vec3& origin, const vec3& direction, float tfar) {
     rays.org_x[lane] = origin.x;
     rays.org_y[lane] = origin.y;
@@ -145,9 +152,7 @@ void RayCaster::cast(const Rays& rays, vec4* seen, const LightCells* cells) cons
 
 uint32_t RayCaster::reached(const PunctualLight& light, std::span<const Receiver> receivers) const {
     SHEEN_CHECK(receivers.size() <= kPacket);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    RTCIntersectContext context = coherentContext();
     Mask facing;
     alignas(32) RTCRay8 shadow;
     for (size_t i = 0; i < receivers.size(); ++i) {
@@ -169,9 +174,7 @@ uint32_t RayCaster::reached(const PunctualLight& light, std::span<const Receiver
 
 size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCells* cells,
                        vec4* seen, Hit* hits) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    RTCIntersectContext context = coherentContext();
     Mask cast;
     alignas(32) RTCRayHit8 met;
     for (size_t i = first; i < end; ++i) {
@@ -209,9 +212,7 @@ size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCe
 }
 
 void RayCaster::light(const Rays& rays, std::span<const Hit> hits, vec4* seen) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    RTCIntersectContext context = coherentContext();
     const auto count = static_cast<int>(hits.size());
     SurfacePoint points[kPacket];
     for (int k = 0; k < count; ++k) {
