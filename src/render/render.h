@@ -66,7 +66,7 @@ struct RenderStats {
     double estimated_rel_rmse = 0;
     float accuracy = 0;           ///< that the frame was rendered with; 0 for other methods
     int gather_size = 0;          ///< likewise
-    int passes = 0;               ///< that a target error took; else 1
+    int passes = 0;               ///< more than 1 for a target error; 0 for other methods
     double diffuse_share = 0;     ///< of pixels_geometry, classified as diffuse
     double too_glossy_share = 0;  ///< of pixels_geometry, smoother than the highest order resolves
     std::vector<MaterialOrder> sh_order;
