@@ -44,6 +44,11 @@ void expectSame(const std::vector<GatheredRecord>& a, const std::vector<Gathered
         EXPECT_EQ(std::memcmp(&a[i].record, &b[i].record, sizeof(Record)), 0) << "record " << i;
         EXPECT_TRUE(a[i].sh == b[i].sh) << "record " << i;
         EXPECT_EQ(a[i].min_distance, b[i].min_distance) << "record " << i;
+        ASSERT_EQ(a[i].contrasts.size(), b[i].contrasts.size()) << "record " << i;
+        for (size_t k = 0; k < a[i].contrasts.size(); ++k) {
+            EXPECT_EQ(a[i].contrasts[k].position, b[i].contrasts[k].position);
+            EXPECT_EQ(a[i].contrasts[k].strength, b[i].contrasts[k].strength);
+        }
     }
 }
 
@@ -257,6 +262,101 @@ TEST(RayGatherer, NothingSeenIsDarkAndInfinitelyFar) {
     EXPECT_EQ(g[0].record.irradiance, vec3(0.0f));
     EXPECT_EQ(g[0].record.radius, kInfinity);
     EXPECT_EQ(g[0].min_distance, kInfinity);
+}
+
+// ---- Where to look closer -----------------------------------------------------------------------
+
+// A dark room with a lamp in its ceiling, a third as wide as a texel of a record on the floor.
+constexpr float kTexelWidth = 4.0f / 24.0f;
+bool nearLamp(const vec3& p) {  // in its texel or in the next one
+    return p.y > 0.9f && std::abs(p.x) < 2.0f * kTexelWidth && std::abs(p.z) < 2.0f * kTexelWidth;
+}
+Scene roomWithSmallLamp() {
+    Scene scene;
+    addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(0.5f))), true);
+    const float half = 0.027f;
+    addQuad(scene, vec3(-half, 0.999f, -half), vec3(2 * half, 0, 0), vec3(0, 0, 2 * half),
+            addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1000.0f))));
+    return scene;
+}
+
+TEST(RayGatherer, LooksCloserWhereRecordsNearbySawLightChange) {
+    const Scene scene = roomWithSmallLamp();
+    const RayCaster rays(scene);
+    const LightCells cells(rays);
+    constexpr int kRecords = 400;
+    for (int order : {shared::DIFFUSE_ORDER, 4}) {
+        // A record that met the lamp says where it is.
+        std::vector<Contrast> found;
+        for (const GatheredRecord& g :
+             RayGatherer(rays, cells, kHemicube)
+                 .gather(std::vector<RecordSite>(
+                     100, siteAt(vec3(0.1f, -1, 0), vec3(0, 1, 0), order)))) {
+            for (const Contrast& c : g.contrasts) {
+                EXPECT_TRUE(nearLamp(c.position)) << c.position.x << " " << c.position.z;
+                EXPECT_GE(c.strength, 2.0f);
+            }
+            found.insert(found.end(), g.contrasts.begin(), g.contrasts.end());
+        }
+        ASSERT_FALSE(found.empty());
+        // Its neighbours then err less, and by chance alone.
+        struct Statistics {
+            double mean = 0, error = 0;
+        };
+        const auto gatherWith = [&](const std::vector<Contrast>& contrasts) {
+            std::vector<RecordSite> sites(kRecords, siteAt(vec3(0), vec3(0, 1, 0), order));
+            for (RecordSite& site : sites) {
+                site.contrasts = contrasts;
+            }
+            double sum = 0.0, squares = 0.0;
+            for (const GatheredRecord& g : RayGatherer(rays, cells, kHemicube).gather(sites)) {
+                sum += g.record.irradiance.y;
+                squares += g.record.irradiance.y * g.record.irradiance.y;
+            }
+            const double mean = sum / kRecords;
+            return Statistics{mean, std::sqrt((squares / kRecords - mean * mean) / kRecords)};
+        };
+        const Statistics alone = gatherWith({});
+        const Statistics told = gatherWith(found);
+        EXPECT_LT(told.error, alone.error / 4.0);
+        EXPECT_NEAR(told.mean, alone.mean, 3.0 * std::hypot(told.error, alone.error));
+    }
+}
+
+TEST(RayGatherer, TheFirstRecordsLookTwice) {
+    const Scene scene = roomWithSmallLamp();
+    const RayCaster rays(scene);
+    const LightCells cells(rays);
+    constexpr int kRecords = 2000;
+    std::vector<RecordSite> sites(kRecords, siteAt(vec3(0), vec3(0, 1, 0)));
+    double means[2], deviations[2];
+    for (int first = 0; first < 2; ++first) {
+        for (RecordSite& site : sites) {
+            site.first = first != 0;
+        }
+        double sum = 0.0, squares = 0.0;
+        for (const GatheredRecord& g : RayGatherer(rays, cells, kHemicube).gather(sites)) {
+            sum += g.record.irradiance.y;
+            squares += g.record.irradiance.y * g.record.irradiance.y;
+        }
+        means[first] = sum / kRecords;
+        deviations[first] = std::sqrt(squares / kRecords - means[first] * means[first]);
+    }
+    EXPECT_LT(deviations[1], deviations[0]);
+    EXPECT_NEAR(means[1], means[0],
+                3.0 * std::hypot(deviations[0], deviations[1]) / std::sqrt(kRecords));
+}
+
+TEST(RayGatherer, ContrastsAnywhereDoNoHarm) {
+    // Behind the record, at it, at the horizon, far away, on edges of the hemicube's faces.
+    const Scene scene = roomWithLamp(1, 1);
+    RecordSite site = kFloorMiddle;
+    for (const vec3 offset : {vec3(0, -1, 0), vec3(0), vec3(1, 0, 0), vec3(1e20f, 1e20f, 0),
+                              vec3(1, 1, 0), vec3(1, 1, 1), vec3(0, 1e-30f, 0)}) {
+        site.contrasts.push_back({site.position + offset, 1e9f});
+    }
+    expectMean(scene, site, kLamp * cosineIntegral(faceCorners(1, 1), site.position, site.normal),
+               [](const GatheredRecord& g) { return g.record.irradiance.y; });
 }
 
 // ---- Highlights smaller than a texel ------------------------------------------------------------

@@ -1,6 +1,7 @@
 #include "cache/placement.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/error.h"
@@ -19,6 +20,10 @@ const auto kCovered = static_cast<uint32_t>(shared::MIN_WEIGHT_SUM * kWeightScal
 constexpr float kSameSurfaceCosine = 0.95f;
 // Relative difference of neighbours that the gathers' own resolution explains.
 constexpr float kGatherNoise = 0.01f;
+
+// So many records nearby tell a new one where to look closer.
+constexpr size_t kNearest = 3;
+constexpr size_t kNone = ~size_t{0};
 
 float largestChange(const Record& r) {
     return luminance(
@@ -70,10 +75,16 @@ class Placer {
         return x < gbuffer_.width ? i + stride : (i / gbuffer_.width + stride) * gbuffer_.width;
     }
 
-    RecordSite siteAt(int pixel) const;
-    float predictedRadius(int pixel) const;
-    std::vector<int> chooseSites(int pixel, int stride) const;
-    void place(const std::vector<int>& pixels);
+    using Nearest = std::array<size_t, kNearest>;  // placed records, kNone where there are fewer
+    struct Choice {
+        int pixel;
+        Nearest nearest;
+    };
+    Nearest nearestTo(const vec3& p) const;
+    RecordSite siteAt(const Choice& choice) const;
+    float predictedRadius(const Choice& choice) const;
+    std::vector<Choice> chooseSites(int pixel, int stride) const;
+    void place(const std::vector<Choice>& choices, bool first);
     float clampedRadius(const Placed& placed) const;
     float splitSphereRadius(const GatheredRecord& g) const;
     float hessianRadius(const GatheredRecord& g, float pixel_footprint) const;
@@ -96,43 +107,62 @@ class Placer {
     Placement result_;
 };
 
-RecordSite Placer::siteAt(int pixel) const {
-    return {.position = position(pixel),
-            .normal = normal(pixel),
-            .geometric_normal = gbuffer_.geometricNormalAt(scene_, pixel),
-            .toward_viewer = glm::normalize(gbuffer_.view.origin - position(pixel)),
-            .order = order(pixel)};
+Placer::Nearest Placer::nearestTo(const vec3& p) const {
+    Nearest nearest;
+    nearest.fill(kNone);
+    std::array<float, kNearest> distances;
+    distances.fill(kInfinity);
+    for (size_t j = 0; j < spheres_.size(); ++j) {
+        const vec3 d = vec3(spheres_[j]) - p;
+        float distance2 = glm::dot(d, d);
+        size_t index = j;
+        for (size_t k = 0; k < kNearest && distance2 < distances.back(); ++k) {
+            if (distance2 < distances[k]) {
+                std::swap(distance2, distances[k]);
+                std::swap(index, nearest[k]);
+            }
+        }
+    }
+    return nearest;
+}
+
+RecordSite Placer::siteAt(const Choice& choice) const {
+    const int pixel = choice.pixel;
+    RecordSite site{.position = position(pixel),
+                    .normal = normal(pixel),
+                    .geometric_normal = gbuffer_.geometricNormalAt(scene_, pixel),
+                    .toward_viewer = glm::normalize(gbuffer_.view.origin - position(pixel)),
+                    .order = order(pixel)};
+    for (size_t j : choice.nearest) {
+        if (j != kNone) {
+            const std::vector<Contrast>& found = placed_[j].gathered.contrasts;
+            site.contrasts.insert(site.contrasts.end(), found.begin(), found.end());
+        }
+    }
+    return site;
 }
 
 // The radius a record at a pixel will most likely have: that of the nearest one placed so far,
 // since neighbours on a surface have similar ones, within the bounds that clampedRadius() keeps.
-float Placer::predictedRadius(int pixel) const {
-    const vec3 p = position(pixel);
-    float nearest = kInfinity;
-    float radius = kInfinity;
-    for (const vec4& sphere : spheres_) {
-        const vec3 d = vec3(sphere) - p;
-        const float distance2 = glm::dot(d, d);
-        if (distance2 < nearest) {
-            nearest = distance2;
-            radius = sphere.w;
-        }
-    }
-    return std::clamp(radius, leastRadius(footprint(pixel)), greatestRadius(footprint(pixel)));
+float Placer::predictedRadius(const Choice& choice) const {
+    const size_t nearest = choice.nearest[0];
+    return std::clamp(nearest == kNone ? kInfinity : spheres_[nearest].w,
+                      leastRadius(footprint(choice.pixel)),
+                      greatestRadius(footprint(choice.pixel)));
 }
 
 // The next sites, from `pixel` on: pixels that are missed and that no site chosen before them is
 // predicted to serve.
-std::vector<int> Placer::chooseSites(int pixel, int stride) const {
+std::vector<Placer::Choice> Placer::chooseSites(int pixel, int stride) const {
     struct Chosen {
         vec3 position, normal;
         float radius;
         int order;
     };
     std::vector<Chosen> chosen;
-    std::vector<int> pixels;
+    std::vector<Choice> choices;
     const int count = gbuffer_.width * gbuffer_.height;
-    for (int i = pixel; i < count && static_cast<int>(pixels.size()) < params_.batch;
+    for (int i = pixel; i < count && static_cast<int>(choices.size()) < params_.batch;
          i = nextPixel(i, stride)) {
         if (!missed(i)) {
             continue;
@@ -145,27 +175,29 @@ std::vector<int> Placer::chooseSites(int pixel, int stride) const {
                                         footprint(i)) > shared::MIN_WEIGHT_SUM;
         });
         if (!served) {
-            chosen.push_back({p, n, predictedRadius(i), order(i)});
-            pixels.push_back(i);
+            choices.push_back({i, nearestTo(p)});
+            chosen.push_back({p, n, predictedRadius(choices.back()), order(i)});
         }
     }
-    return pixels;
+    return choices;
 }
 
-// Gathers at pixels, all at once, and places the records in order.
-void Placer::place(const std::vector<int>& pixels) {
+// Gathers where chosen, all at once, and places the records in order.
+void Placer::place(const std::vector<Choice>& choices, bool first) {
     std::vector<RecordSite> sites;
-    for (int pixel : pixels) {
-        sites.push_back(siteAt(pixel));
+    for (const Choice& choice : choices) {
+        sites.push_back(siteAt(choice));
+        sites.back().first = first;
     }
     std::vector<GatheredRecord> gathered = gather_(sites);
     SHEEN_CHECK_EQ(gathered.size(), sites.size());
-    for (size_t i = 0; i < pixels.size(); ++i) {
-        placed_.push_back({std::move(gathered[i]), pixels[i], footprint(pixels[i])});
+    for (size_t i = 0; i < choices.size(); ++i) {
+        const int pixel = choices[i].pixel;
+        placed_.push_back({std::move(gathered[i]), pixel, footprint(pixel)});
         Record& record = placed_.back().gathered.record;
         record.radius = clampedRadius(placed_.back());
         spheres_.emplace_back(record.position, record.radius);
-        placed_.back().outgoing = predictedOutgoing(placed_.back().gathered, pixels[i]);
+        placed_.back().outgoing = predictedOutgoing(placed_.back().gathered, pixel);
         heedNeighbours(placed_.size() - 1);
         clampNeighbours(placed_.size() - 1);
         spheres_.back().w = record.radius;
@@ -317,7 +349,7 @@ Placement Placer::run(bool quiet) {
             placed_any = false;
             for (int i = 0; i < count; i = nextPixel(i, stride)) {
                 if (missed(i)) {
-                    place(chooseSites(i, stride));
+                    place(chooseSites(i, stride), stride == params_.coarsest_stride);
                     placed_any = stride == 1;
                 }
             }

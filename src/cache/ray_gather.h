@@ -1,5 +1,5 @@
 // Gathering by rays: one through each texel of a record's hemisphere, at a random place within it,
-// and more where light changes from texel to texel.
+// and more where light changes, as its neighbours and records nearby saw.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,7 @@
 namespace sheen {
 
 /// Gathers on all threads; the results do not depend on how many there are. Which places the rays
-/// take depends on how many records were gathered before. The caster and
-/// the cells must outlive it.
+/// take depends on how many records were gathered before. The caster and the cells must outlive it.
 class RayGatherer {
   public:
     RayGatherer(const RayCaster& rays, const LightCells& cells, const HemisphereParams& params)
@@ -27,7 +26,11 @@ class RayGatherer {
     GatherSeconds seconds() const { return seconds_; }
 
   private:
-    std::vector<vec4> see(const RecordSite& site, uint32_t index) const;
+    struct Seen {
+        std::vector<vec4> texels;  // radiance, distance
+        std::vector<Contrast> contrasts;
+    };
+    Seen see(const RecordSite& site, uint32_t index, std::span<const Contrast> found) const;
 
     const RayCaster& rays_;
     const LightCells& cells_;

@@ -17,6 +17,13 @@ using shared::Record;
 using shared::WeightParams;
 static_assert(sizeof(Record) == 10 * 16, "Record is uploaded as a std430 array");
 
+/// Where the light that a record sees changes within a texel. `strength`: by how much, twice its
+/// standard deviation there, in units of what a texel of that record brings on average.
+struct Contrast {
+    vec3 position{};
+    float strength = 0;
+};
+
 /// A point where light is to be gathered.
 struct RecordSite {
     vec3 position{};
@@ -24,6 +31,8 @@ struct RecordSite {
     vec3 geometric_normal{};  ///< on the same side
     vec3 toward_viewer{};     ///< unit, to whoever sees the site; zero where no one does
     int order = shared::DIFFUSE_ORDER;
+    std::vector<Contrast> contrasts = {};  ///< what records nearby found: where to look closer
+    bool first = false;                    ///< one of the first, which have no records nearby
 };
 
 /// SH coefficients of one record, world space: radiance, and its change along the record's tangent
@@ -54,7 +63,8 @@ struct GatheredRecord {
     std::vector<float> sh;  ///< ShLayout; empty for a diffuse record
     /// Greatest second derivative, in magnitude, of the irradiance's luminance along the surface.
     float curvature = 0;
-    float min_distance = 0;  ///< to the nearest surface seen; infinite if nothing was
+    float min_distance = 0;                ///< to the nearest surface seen; infinite if nothing was
+    std::vector<Contrast> contrasts = {};  ///< the strongest, for records to come
 };
 
 /// The cache: records and the coefficients they point into.

@@ -128,12 +128,14 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                            "rescaled (larsen)")
                 ->check(CLI::IsMember(keysOf(kGathers))),
             cached);
-    limited(app.add_option("--gather-size", p.gather.size,
-                           "radiance, irradiance: texels along a side of that plane (38 at "
-                           "accuracy 0.4); octree: rings of a record's rays; default: by the "
-                           "accuracy")
-                ->check(numberIn(8, 512)),
-            any_cache)
+    limited(
+        app.add_option(
+               "--gather-size", p.gather.size,
+               "radiance, irradiance: texels along a side of that plane (20 at "
+               "accuracy 0.4, rasterised 38); octree: rings of a record's rays; default: by the "
+               "accuracy")
+            ->check(numberIn(8, 512)),
+        any_cache)
         ->default_str("");
     o.extent_option = limited(app.add_option("--gather-extent", p.gather.extent,
                                              "radiance, irradiance: half-width of that plane at "

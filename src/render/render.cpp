@@ -162,11 +162,12 @@ Placement placeWith(G gatherer, const Scene& scene, const Stage& stage,
 }
 
 // A gather's noise falls with its rays, and the other errors with the accuracy: both together.
+// Rays look closer where light changes; a raster cannot.
 int gatherSize(const RenderParams& params, float accuracy) {
-    constexpr float kTexelsAtOne = 24.0f;
+    const float texels_at_one = params.gather_road == GatherRoad::kRays ? 12.5f : 24.0f;
     return params.gather.size > 0
                ? params.gather.size
-               : static_cast<int>(std::lround(kTexelsAtOne / std::sqrt(accuracy)));
+               : static_cast<int>(std::lround(texels_at_one / std::sqrt(accuracy)));
 }
 
 // placement, which gathers and projects -> splat -> compose.
