@@ -98,7 +98,7 @@ void checkCameras(const Scene& scene) {
         const CameraRay left = cameraRay(camera, 4, 4, 0, 0);
         const CameraRay right = cameraRay(camera, 4, 4, 3, 0);
         require(unit(left.direction) && unit(right.direction), "camera rays have a direction");
-        require(glm::dot(right.direction - left.direction, vec3(m[0])) > 0.0f,
+        require(glm::dot(right.direction - left.direction, vec3(m[0])) > -kUnitTolerance,
                 "x grows to the right in the image", camera.name);
         requireOneLine(camera.name);
     }
