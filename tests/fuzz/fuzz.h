@@ -48,6 +48,7 @@ class InputFile {
     InputFile& operator=(const InputFile&) = delete;
 
     const std::string& write(const uint8_t* data, size_t size) const {
+        std::filesystem::remove(path_);  // some file systems wait for the disk when overwriting
         std::ofstream(path_, std::ios::binary)
             .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
         return path_;
