@@ -1,4 +1,6 @@
 // readExr() on any bytes, and what `sheen compare` does with the layers it finds.
+#include <OpenEXR/ImfHeader.h>
+
 #include <cmath>
 
 #include "core/parallel.h"
@@ -44,10 +46,18 @@ void checkComparable(const LoadedExr& exr, const Image<vec3>& layer) {
 }  // namespace
 }  // namespace sheen::fuzz
 
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+    // Otherwise most of the time goes into clearing the memory of large images and tiles.
+    constexpr int kLargestSide = 512;
+    Imf::Header::setMaxImageSize(kLargestSide, kLargestSide);
+    Imf::Header::setMaxTileSize(kLargestSide, kLargestSide);
+    sheen::setThreadCount(1);
+    return 0;
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     using namespace sheen;
     static const fuzz::InputFile file("image.exr");
-    setThreadCount(1);
     const std::string& path = file.write(data, size);
     try {
         const LoadedExr exr = readExr(path);
