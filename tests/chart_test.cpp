@@ -139,6 +139,11 @@ TEST(PointFile, rejectsWhatIsNone) {
         damaged.replace(damaged.find(part), std::string(part).size(), "\"\"");
         EXPECT_FALSE(parsePoint(damaged)) << part;
     }
+    for (const char* number : {"1e300", "-1e300", "640.5", "4294967936", "18446744073709551615"}) {
+        std::string damaged = good;
+        damaged.replace(damaged.find("640"), 3, number);
+        EXPECT_FALSE(parsePoint(damaged)) << number;
+    }
 }
 
 TEST(PointFile, keysTellImagesApart) {

@@ -325,6 +325,25 @@ TEST_F(ExrTest, readRejectsIncompleteLayers) {
                 [&] { readExr(file("a.exr")); });
 }
 
+void writeWord(std::string& bytes, size_t at, int32_t value) {
+    std::memcpy(bytes.data() + at, &value, sizeof(value));
+}
+
+// A damaged window would take memory for pixels that cannot be in the file.
+TEST_F(ExrTest, readRejectsHeadersThatPromiseTooMuch) {
+    writeForeign(file("a.exr"), {"R", "G", "B"});
+    std::string bytes = textOf(file("a.exr"));
+    const std::string attribute =
+        std::string("dataWindow\0box2i\0", 17) + std::string("\x10\0\0\0", 4);
+    const size_t window = bytes.find(attribute) + attribute.size();
+    ASSERT_LT(window, bytes.size());
+    writeWord(bytes, window, 0);
+    writeWord(bytes, window + 8, 16383);
+    writeText(file("a.exr"), bytes);
+    expectError(ExitCode::kInput, "pixels that its header promises",
+                [&] { readExr(file("a.exr")); });
+}
+
 TEST_F(AtomicFileTest, appearsOnlyWhenCommitted) {
     {
         AtomicFile out(file("a"));

@@ -107,6 +107,29 @@ inline GltfFile oneTriangle() {
     return file;
 }
 
+/// A file that uses one of everything that is checked.
+inline GltfFile sound() {
+    GltfFile file = oneTriangle();
+    Json& primitive = file.json["meshes"][0]["primitives"][0];
+    primitive["indices"] = file.addAccessor<uint16_t>({0, 1, 2}, kUnsignedShort, "SCALAR", 1);
+    primitive["attributes"]["NORMAL"] =
+        file.addAccessor<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, kFloat, "VEC3", 3);
+    primitive["attributes"]["TEXCOORD_0"] =
+        file.addAccessor<float>({0, 0, 1, 0, 0, 1}, kFloat, "VEC2", 2);
+    primitive["material"] = 0;
+    file.json["images"] = Json::array(
+        {{{"bufferView", file.addView<uint8_t>({1, 2, 3, 4})}, {"mimeType", "image/png"}}});
+    file.json["samplers"] = Json::array({Json::object()});
+    file.json["textures"] = Json::array({{{"source", 0}, {"sampler", 0}}});
+    file.json["materials"] = Json::array({{{"name", "paint"}}});
+    file.json["cameras"] =
+        Json::array({{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}});
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({{{"type", "point"}}});
+    file.json["nodes"].push_back({{"camera", 0}});
+    file.json["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    return file;
+}
+
 /// Whether a warning contains `text`.
 inline bool warnsOf(const Scene& scene, const std::string& text) {
     for (const std::string& warning : scene.warnings) {

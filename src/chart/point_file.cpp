@@ -2,6 +2,8 @@
 
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <stdexcept>
 
 namespace sheen {
 namespace {
@@ -27,6 +29,16 @@ class Hash {
     uint64_t value_ = 0xcbf29ce484222325ull;
 };
 
+// A whole number that an int holds: Json's own conversion takes any number and cuts it down.
+int intFrom(const Json& json) {
+    const double value = json.get<double>();
+    if (!json.is_number_integer() || value < std::numeric_limits<int>::min() ||
+        value > std::numeric_limits<int>::max()) {
+        throw std::out_of_range("not an int");
+    }
+    return static_cast<int>(value);
+}
+
 Json jsonFromHost(const ChartHost& host) {
     return {{"version", host.version},
             {"build", host.build},
@@ -38,7 +50,7 @@ ChartHost hostFromJson(const Json& json) {
     return {.version = json.at("version"),
             .build = json.at("build"),
             .cpu = json.at("cpu"),
-            .threads = json.at("threads")};
+            .threads = intFrom(json.at("threads"))};
 }
 
 Json jsonFromKey(const ImageKey& key) {
@@ -51,9 +63,9 @@ Json jsonFromKey(const ImageKey& key) {
 
 ImageKey keyFromJson(const Json& json) {
     return {.scene = json.at("scene"),
-            .camera = json.at("camera"),
-            .width = json.at("size").at(0),
-            .height = json.at("size").at(1),
+            .camera = intFrom(json.at("camera")),
+            .width = intFrom(json.at("size").at(0)),
+            .height = intFrom(json.at("size").at(1)),
             .arguments = json.at("arguments"),
             .gl = json.at("gl")};
 }
@@ -67,7 +79,7 @@ Measurement measurementFromJson(const Json& json) {
     for (const auto& [stage, seconds] : json.at("stages").items()) {
         measured.stages.emplace_back(stage, seconds.get<double>());
     }
-    measured.records = json.at("records");
+    measured.records = intFrom(json.at("records"));
     measured.gl_renderer = json.at("gl_renderer");
     return measured;
 }
@@ -151,11 +163,13 @@ std::optional<StoredPoint> parsePoint(const std::string& text) {
     try {
         const Json json = Json::parse(text);
         StoredPoint point = {.key = keyFromJson(json.at("image")),
-                             .repeats = json.at("repeats"),
+                             .repeats = intFrom(json.at("repeats")),
                              .measured = measurementFromJson(json)};
         const bool sane = point.measured.seconds > 0 && !point.measured.runs.empty();
         return sane ? std::optional(std::move(point)) : std::nullopt;
     } catch (const Json::exception&) {
+        return std::nullopt;
+    } catch (const std::out_of_range&) {
         return std::nullopt;
     }
 }

@@ -12,11 +12,15 @@ namespace sheen {
 /// The program's exit codes.
 enum class ExitCode { kDone = 0, kBug = 1, kUsage = 2, kInput = 3, kEnvironment = 4 };
 
+/// Text from a file or a library, fit for a message: control characters become spaces, those at the
+/// end are left out, and long text is cut.
+std::string oneLine(std::string text);
+
 /// An error with the exit code it leads to. The message is one line: file, where, what, how to
-/// mend.
+/// mend; control characters in it, which come from names in files, become spaces.
 class Error : public std::runtime_error {
   public:
-    Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    Error(ExitCode code, const std::string& message);
     ExitCode code() const { return code_; }
 
   private:

@@ -1,6 +1,7 @@
 #include "image/exr.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfCompression.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
@@ -28,11 +29,6 @@ constexpr int kMaxSide = 16384;
 constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
 constexpr std::array<const char*, 3> kXyz = {"X", "Y", "Z"};
 const char* const kPrimitiveChannel = "primitive.id";
-
-std::string oneLine(std::string text) {
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return text;
-}
 
 // OpenEXR's own file stream loses errors that show only when the file is closed.
 class AtomicStream : public Imf::OStream {
@@ -229,10 +225,12 @@ class Reader {
 
     void insert(const std::string& name, Imf::PixelType type, void* data, size_t stride) {
         const ptrdiff_t row = static_cast<ptrdiff_t>(stride) * exr_.width;
-        char* base = static_cast<char*>(data) -
-                     static_cast<ptrdiff_t>(stride) * static_cast<ptrdiff_t>(origin_x_) -
-                     row * static_cast<ptrdiff_t>(origin_y_);
-        pixels_.insert(name, Imf::Slice(type, base, stride, static_cast<size_t>(row)));
+        // In integers: the window's corner may lie so far off that a pointer would overflow.
+        const auto address = reinterpret_cast<uintptr_t>(data) -
+                             stride * static_cast<uintptr_t>(ptrdiff_t{origin_x_}) -
+                             static_cast<uintptr_t>(row * ptrdiff_t{origin_y_});
+        pixels_.insert(name, Imf::Slice(type, reinterpret_cast<char*>(address), stride,
+                                        static_cast<size_t>(row)));
     }
 
     LoadedExr& exr_;
@@ -241,6 +239,26 @@ class Reader {
     int origin_x_ = 0;
     int origin_y_ = 0;
 };
+
+// A damaged header may promise an image for which there is no memory. No compression packs pixels
+// tighter than this: zlib 1032 to 1, of which PXR24 makes 1376; DWA run lengths of 127 on top.
+void checkPlausible(const Imf::Header& header, const std::string& path, int64_t width,
+                    int64_t height) {
+    int64_t pixel_size = 0;
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+        pixel_size += c.channel().type == Imf::HALF ? 2 : 4;
+    }
+    const bool is_dwa = header.compression() == Imf::DWAA_COMPRESSION ||
+                        header.compression() == Imf::DWAB_COMPRESSION;
+    const int64_t most_per_byte = is_dwa ? 1 << 17 : 1400;
+    const auto file_size = static_cast<int64_t>(std::filesystem::file_size(path));
+    if (width * height > file_size * most_per_byte / std::max<int64_t>(pixel_size, 1)) {
+        throwInput(
+            "{}: damaged EXR file: its {} bytes cannot hold the {}x{} pixels that its header "
+            "promises; copy or render it again",
+            path, file_size, width, height);
+    }
+}
 
 void checkIsExr(const std::string& path) {
     std::error_code error;
@@ -302,6 +320,7 @@ LoadedExr readExr(const std::string& path) {
         if (!file.isComplete()) {
             throwInput("{}: incomplete EXR file: was it cut short?", path);
         }
+        checkPlausible(file.header(), path, width, height);
         exr.width = static_cast<int>(width);
         exr.height = static_cast<int>(height);
         Reader(exr, file).read();
@@ -310,7 +329,8 @@ LoadedExr readExr(const std::string& path) {
     } catch (const std::bad_alloc&) {
         throwEnvironment("{}: {}x{} pixels do not fit in memory", path, exr.width, exr.height);
     } catch (const std::exception& error) {
-        throwInput("{}: damaged EXR file: {}", path, oneLine(error.what()));
+        throwInput("{}: damaged EXR file: {}; copy or render it again", path,
+                   oneLine(error.what()));
     }
     return exr;
 }
@@ -325,7 +345,7 @@ const Image<vec3>& colorLayer(const LoadedExr& exr, const std::string& name) {
         known += (known.empty() ? "" : ", ") + layer;
     }
     throwInput("{}: no layer '{}'; the file has: {}", exr.path, name,
-               known.empty() ? "no colour layers" : known);
+               known.empty() ? "no colour layers" : oneLine(known));
 }
 
 }  // namespace sheen

@@ -128,7 +128,7 @@ void checkRequiredExtensions(const File& file) {
     for (const std::string& name : file.model.extensionsRequired) {
         if (kSupported.count(name) == 0) {
             file.fail("extensionsRequired", "{} is not supported; export the file without it",
-                      name);
+                      oneLine(name));
         }
     }
 }
@@ -178,13 +178,9 @@ double numberMember(const File& file, const tinygltf::Value& object, const std::
     return member.GetNumberAsDouble();
 }
 
-std::string oneLine(std::string text) {
-    constexpr size_t kLongest = 240;
-    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) {
-        text.pop_back();
-    }
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return text.size() > kLongest ? text.substr(0, kLongest) + "..." : text;
+std::string label(const char* kind, size_t index, const std::string& name) {
+    return name.empty() ? fmt::format("{} {}", kind, index)
+                        : fmt::format("{} {} ({})", kind, index, oneLine(name));
 }
 
 void parse(File& file) {

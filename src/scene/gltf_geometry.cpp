@@ -257,8 +257,8 @@ void appendMesh(File& file, int mesh_index, const glm::dmat4& world_from_mesh, S
     const auto default_material = static_cast<uint32_t>(scene.materials.size() - 1);
     for (size_t i = 0; i < mesh.primitives.size(); ++i) {
         const tinygltf::Primitive& source = mesh.primitives[i];
-        const std::string where = fmt::format("mesh {}{}, primitive {}", mesh_index,
-                                              mesh.name.empty() ? "" : " (" + mesh.name + ")", i);
+        const std::string where = fmt::format(
+            "{}, primitive {}", label("mesh", static_cast<size_t>(mesh_index), mesh.name), i);
         if (source.mode >= TINYGLTF_MODE_POINTS && source.mode < TINYGLTF_MODE_TRIANGLES) {
             file.notes.add("points and lines are not supported: primitive left out");
             continue;

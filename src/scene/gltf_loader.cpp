@@ -13,6 +13,9 @@ namespace sheen {
 namespace gltf {
 namespace {
 
+// Squares of distances up to here are floats.
+constexpr double kLargestExtent = 1e18;
+
 // The glTF matrix of a node, from its matrix or its translation, rotation and scale.
 glm::dmat4 localTransform(const File& file, const tinygltf::Node& node, const std::string& where) {
     const auto check = [&](const std::vector<double>& values, size_t count, const char* what) {
@@ -49,7 +52,9 @@ glm::dmat4 localTransform(const File& file, const tinygltf::Node& node, const st
 
 std::string firstName(const std::string& own, const std::string& node, const char* kind,
                       size_t index) {
-    return !own.empty() ? own : !node.empty() ? node : fmt::format("{} {}", kind, index);
+    return !own.empty()    ? oneLine(own)
+           : !node.empty() ? oneLine(node)
+                           : fmt::format("{} {}", kind, index);
 }
 
 void appendCamera(File& file, const tinygltf::Node& node, const glm::dmat4& world_from_node,
@@ -61,7 +66,7 @@ void appendCamera(File& file, const tinygltf::Node& node, const glm::dmat4& worl
     }
     const std::string camera_where = fmt::format("camera {}", node.camera);
     const double y_fov = source.perspective.yfov;
-    if (!(y_fov > 0.0) || !(y_fov < static_cast<double>(kPi))) {
+    if (!(static_cast<float>(y_fov) > 0.0f) || !(static_cast<float>(y_fov) < kPi)) {
         file.fail(camera_where, "yfov must lie between 0 and pi radians, but is {}", y_fov);
     }
     // Only where it stands and looks: a camera's node may be scaled or mirrored.
@@ -200,8 +205,7 @@ void walkNodes(File& file, Scene& scene) {
         const Visit visit = pending.back();
         pending.pop_back();
         const tinygltf::Node& node = file.at(file.model.nodes, visit.node, visit.parent, "node");
-        const std::string where =
-            fmt::format("node {}{}", visit.node, node.name.empty() ? "" : " (" + node.name + ")");
+        const std::string where = label("node", static_cast<size_t>(visit.node), node.name);
         if (seen[static_cast<size_t>(visit.node)]) {
             file.fail(where, "is reached twice: nodes must form a tree; export the file again");
         }
@@ -211,8 +215,20 @@ void walkNodes(File& file, Scene& scene) {
         for (int c = 0; c < 16; ++c) {
             finiteFloat(file, world_from_node[c / 4][c % 4], where, "transform element");
         }
+        if (glm::length(glm::dvec3(world_from_node[3])) > kLargestExtent) {
+            file.fail(where, "lies more than {} m from the origin; move it closer", kLargestExtent);
+        }
         appendNode(file, node, world_from_node, where, scene);
         push(node.children, world_from_node, where);
+    }
+}
+
+void checkExtent(const File& file, const Scene& scene) {
+    const Bounds& b = scene.bounds;
+    const double size = b.empty() ? 0.0 : glm::length(glm::dvec3(b.upper) - glm::dvec3(b.lower));
+    if (size > kLargestExtent) {
+        file.fail("meshes", "together they extend over {} m, more than {}; scale or mend them",
+                  size, kLargestExtent);
     }
 }
 
@@ -241,6 +257,7 @@ Scene loadScene(const std::string& path) {
         gltf::parse(file);
         gltf::loadMaterials(file, scene);
         gltf::walkNodes(file, scene);
+        gltf::checkExtent(file, scene);
     } catch (const std::bad_alloc&) {
         throwEnvironment("{}: not enough memory to load it", path);
     }

@@ -1,8 +1,11 @@
 // Materials and their base-colour textures.
+#include <stb/stb_image.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 
 #include "scene/gltf_parts.h"
 
@@ -11,14 +14,13 @@ namespace {
 
 // An image of more texels is refused: decoded, it takes 12 bytes a texel.
 constexpr int64_t kMaxTexels = int64_t{1} << 27;
+// What a byte of a file can hold at most: zlib packs 1032 bytes of 8 texels each into one, and
+// JPEG's blocks of 64 texels take a bit or more.
+constexpr int64_t kTexelsPerPngByte = 1032 * 8;
+constexpr int64_t kTexelsPerJpegByte = 64 * 8;
 
 float linearFromSrgb(float s) {
     return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-}
-
-std::string nameOf(const std::string& kind, size_t index, const std::string& name) {
-    return name.empty() ? fmt::format("{} {}", kind, index)
-                        : fmt::format("{} {} ({})", kind, index, name);
 }
 
 float clampedFactor(File& file, double value, double upper, const std::string& where,
@@ -68,20 +70,47 @@ std::vector<vec3> linearTexels(const tinygltf::Image& image) {
     return texels;
 }
 
+// Checks what an image's header says before memory is taken for it. stb_image reads more formats
+// than glTF has, less carefully.
+void checkImage(const File& file, const ByteSpan& bytes, const std::string& where) {
+    const auto begins = [&](std::string_view magic) {
+        return bytes.size >= magic.size() &&
+               std::memcmp(bytes.data, magic.data(), magic.size()) == 0;
+    };
+    const bool is_png = begins("\x89PNG");
+    int width = 0, height = 0, components = 0;
+    if ((!is_png && !begins("\xFF\xD8")) ||
+        stbi_info_from_memory(bytes.data, static_cast<int>(bytes.size), &width, &height,
+                              &components) == 0) {
+        file.fail(where, "it cannot be decoded; use an intact PNG or JPEG");
+    }
+    const int64_t texels = int64_t{width} * height;
+    if (texels > kMaxTexels) {
+        file.fail(where, "{} x {} texels are too many; use a smaller image", width, height);
+    }
+    if (texels / (is_png ? kTexelsPerPngByte : kTexelsPerJpegByte) >
+        static_cast<int64_t>(bytes.size)) {
+        file.fail(where,
+                  "its {} bytes cannot hold the {} x {} texels it promises; use an intact image",
+                  bytes.size, width, height);
+    }
+}
+
 Texture decodeImage(const File& file, int index) {
     const tinygltf::Image& source = file.model.images[static_cast<size_t>(index)];
-    const std::string where = nameOf("image", static_cast<size_t>(index), source.name);
+    const std::string where = label("image", static_cast<size_t>(index), source.name);
     ByteSpan bytes{source.image.data(), source.image.size()};
     if (source.bufferView >= 0) {
         bytes = bufferViewBytes(file, source.bufferView, where);
     }
     if (bytes.size == 0) {
         file.fail(where, "{} cannot be read; put it beside the scene, or embed it",
-                  source.uri.empty() ? "it" : source.uri);
+                  source.uri.empty() ? "it" : oneLine(source.uri));
     }
     if (bytes.size > static_cast<size_t>(std::numeric_limits<int>::max())) {
         file.fail(where, "it has {} bytes; use a smaller image", bytes.size);
     }
+    checkImage(file, bytes, where);
     tinygltf::Image image;
     std::string error;
     std::string warning;
@@ -89,10 +118,6 @@ Texture decodeImage(const File& file, int index) {
                                  static_cast<int>(bytes.size), nullptr) ||
         image.component < 3) {
         file.fail(where, "it cannot be decoded; use an intact PNG or JPEG");
-    }
-    if (int64_t{image.width} * image.height > kMaxTexels) {
-        file.fail(where, "{} x {} texels are too many; use a smaller image", image.width,
-                  image.height);
     }
     return {.width = image.width, .height = image.height, .texels = linearTexels(image)};
 }
@@ -107,7 +132,7 @@ int loadTexture(File& file, int texture_index, const std::string& owner, Texture
     const std::string where = fmt::format("texture {}", texture_index);
     if (texture.source < 0 && !texture.extensions.empty()) {
         file.fail(where, "its image format ({}) is not supported; use PNG or JPEG",
-                  texture.extensions.begin()->first);
+                  oneLine(texture.extensions.begin()->first));
     }
     file.at(file.model.images, texture.source, where, "image");
     glm::ivec2 wrap(shared::WRAP_REPEAT);
@@ -167,8 +192,8 @@ void noteUnsupported(File& file, const tinygltf::Material& source) {
     note(source.occlusionTexture.index != -1, "occlusion textures are");
     note(source.emissiveTexture.index != -1, "emissive textures are");
     if (source.alphaMode != "OPAQUE") {
-        file.notes.add(
-            fmt::format("alphaMode {} is not supported: material shown opaque", source.alphaMode));
+        file.notes.add(fmt::format("alphaMode {} is not supported: material shown opaque",
+                                   oneLine(source.alphaMode)));
     }
     const tinygltf::TextureInfo& base = source.pbrMetallicRoughness.baseColorTexture;
     note(base.extensions.count("KHR_texture_transform") > 0, "KHR_texture_transform is");
@@ -180,13 +205,13 @@ void noteUnsupported(File& file, const tinygltf::Material& source) {
 
 Material loadMaterial(File& file, size_t index, TextureIndex& known, Scene& scene) {
     const tinygltf::Material& source = file.model.materials[index];
-    const std::string where = nameOf("material", index, source.name);
+    const std::string where = label("material", index, source.name);
     const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
     if (pbr.baseColorFactor.size() != 4 || source.emissiveFactor.size() != 3) {
         file.fail(where, "baseColorFactor must hold four numbers and emissiveFactor three");
     }
     Material material;
-    material.name = source.name.empty() ? fmt::format("material {}", index) : source.name;
+    material.name = source.name.empty() ? fmt::format("material {}", index) : oneLine(source.name);
     MaterialParams& params = material.params;
     params.metallic = clampedFactor(file, pbr.metallicFactor, 1.0, where, "metallicFactor");
     params.roughness = clampedFactor(file, pbr.roughnessFactor, 1.0, where, "roughnessFactor");

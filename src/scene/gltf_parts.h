@@ -61,8 +61,8 @@ void parse(File& file);
 /// Notes what the file as a whole asks for and does not get: extensions, animations.
 void noteIgnoredParts(File& file);
 
-/// Text from the file or a library, fit for a message: newlines become spaces, long text is cut.
-std::string oneLine(std::string text);
+/// Such as "node 3 (lamp)"; the name may be any text.
+std::string label(const char* kind, size_t index, const std::string& name);
 
 /// Which component types an accessor may have beside float.
 enum class Integers { kNo, kNormalizedUnsigned, kAny };

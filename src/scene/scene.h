@@ -25,7 +25,7 @@ struct Texture {
 };
 
 struct Material {
-    std::string name;
+    std::string name;             ///< one line
     MaterialParams params;        ///< factors; base_color is multiplied by the texture
     int base_color_texture = -1;  ///< index into Scene::textures, or -1
 };
