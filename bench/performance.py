@@ -295,7 +295,7 @@ def main():
     parser.add_argument("--option", action="append", dest="options", default=[],
                         metavar="OPTION", help="whole: of `sheen render`, as --option=--threads=1; "
                                                "repeatable")
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     if arguments.page and (arguments.quick or arguments.scenes or arguments.options or
                            arguments.only != parser.get_default("only")):
         parser.error("--page: its tables are of the defaults")
