@@ -42,8 +42,8 @@ void appendSites(const RayScene& rays, const Camera& camera, uint32_t seed, int 
 
 }  // namespace
 
-BenchScene::BenchScene(const std::string& scene_name, const std::string& path, int site_count)
-    : name(scene_name), scene(loadScene(path)), rays(scene) {
+BenchScene::BenchScene(const std::string& scene_name, Scene made, int site_count)
+    : name(scene_name), scene(std::move(made)), rays(scene) {
     const RayScene ray_scene(scene);
     const auto cameras = static_cast<int>(scene.cameras.size());
     for (int c = 0; c < cameras; ++c) {
@@ -57,8 +57,8 @@ BenchScenes loadBenchScenes(const std::string& folder, const std::vector<std::st
                             int sites_per_scene) {
     BenchScenes scenes;
     for (const std::string& name : names) {
-        scenes.push_back(
-            std::make_unique<BenchScene>(name, folder + "/" + name + ".glb", sites_per_scene));
+        scenes.push_back(std::make_unique<BenchScene>(name, loadScene(folder + "/" + name + ".glb"),
+                                                      sites_per_scene));
     }
     return scenes;
 }

@@ -1,5 +1,5 @@
-// What the studies of the accuracy bench share: scenes and the points judged in them, radiance
-// images by rays, errors, and tables.
+// What the studies of the accuracy bench share, and the stage benchmarks in part: scenes and the
+// points judged in them, radiance images by rays, errors, and tables.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ namespace sheen::bench {
 
 /// A scene, its rays, and the points of its surfaces where approximations are judged.
 struct BenchScene {
-    BenchScene(const std::string& scene_name, const std::string& path, int site_count);
+    BenchScene(const std::string& scene_name, Scene made, int site_count);
     BenchScene(const BenchScene&) = delete;
 
     std::string name;

@@ -1,0 +1,323 @@
+#!/usr/bin/python3
+"""Measures stages (the program `stages`) and whole renders (the program `sheen`), and makes Markdown
+tables of it; bench/run builds both and calls this."""
+import argparse
+import json
+import math
+import os
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SCENES = ROOT / "scenes"
+PAGE = ROOT / "docs" / "performance.md"
+# Default renders, and the sizes that docs/performance.md has goals for.
+WHOLE = {"cornell_diffuse": "512x512", "cornell_glossy": "512x512", "venus_glossy": "512x512",
+         "atrium": "1000x1000"}
+ENOUGH_SECONDS = 60  # of a scene's warm runs: long runs vary little
+STAGES = ["load", "gbuffer", "shadow", "placement", "gather", "project", "splat", "compose", "write"]
+
+
+# Running.
+
+def plain(name):
+    """A benchmark's name without what Google Benchmark adds."""
+    return re.sub("/(iterations:[0-9]+|real_time|manual_time|repeats:[0-9]+)", "", name)
+
+
+def list_stages(program):
+    listed = subprocess.run([program, SCENES, "--benchmark_list_tests"], check=True,
+                            capture_output=True, text=True)
+    return listed.stdout.split()
+
+
+def run_stages(program, threads, workers, names, min_time, repetitions, cache=None):
+    """Rows by plain name, of those `names` of list_stages(): medians over the repetitions."""
+    if not names:
+        return {}
+    environment = dict(os.environ)
+    if cache:
+        environment["MESA_SHADER_CACHE_DIR"] = cache
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "out.json"
+        command = [program, SCENES, "--threads", str(threads), "--workers", str(workers),
+                   f"--benchmark_filter=^({'|'.join(names)})$", f"--benchmark_min_time={min_time}",
+                   f"--benchmark_repetitions={repetitions}", "--benchmark_out_format=json",
+                   f"--benchmark_out={out}", "--benchmark_report_aggregates_only=true"]
+        subprocess.run(command, check=True, env=environment, stdout=sys.stderr)
+        rows = json.loads(out.read_text())["benchmarks"]
+    return {plain(row["run_name"]): row for row in rows
+            if row["run_type"] == "iteration" or row["aggregate_name"] == "median"}
+
+
+class Run:
+    """One run of a program: wall-clock seconds and peak memory of the whole command."""
+
+    def __init__(self, command, cache):
+        environment = dict(os.environ, MESA_SHADER_CACHE_DIR=cache)
+        start = time.monotonic()
+        child = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
+        _, status, usage = os.wait4(child.pid, 0)
+        self.seconds = time.monotonic() - start
+        child.returncode = os.waitstatus_to_exitcode(status)
+        if child.returncode != 0:
+            raise subprocess.CalledProcessError(child.returncode, command)
+        self.memory = usage.ru_maxrss / 1024  # MiB
+        self.stats = {}
+
+
+def run_whole(sheen, scene, size, runs, options=()):
+    """A render with an empty shader cache, then `runs` with what it left there: the cold run, and
+    the warm one of median time."""
+    def render(folder):
+        stats = pathlib.Path(folder) / "stats.json"
+        run = Run([sheen, "render", SCENES / f"{scene}.glb", "--size", size, "-o",
+                   f"{folder}/image.exr", "--json", stats, *options], f"{folder}/cache")
+        run.stats = json.loads(stats.read_text())
+        return run
+
+    with tempfile.TemporaryDirectory() as folder:
+        cold = render(folder)
+        warm = []
+        while len(warm) < runs and (not warm or sum(r.seconds for r in warm) < ENOUGH_SECONDS):
+            warm.append(render(folder))
+    warm.sort(key=lambda run: run.seconds)
+    return cold, warm[(len(warm) - 1) // 2]
+
+
+# Tables: a list of lines, empty where nothing was measured.
+
+def table(head, rows):
+    if not rows:
+        return []
+    return ["| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *rows]]
+
+
+def count(number):
+    return f"{round(number):,}"
+
+
+def figure(number, digits=3):
+    """With so many significant digits; nothing for 0."""
+    if number == 0:
+        return ""
+    text = f"{number:.{digits}g}"
+    return f"{float(text):,.0f}" if abs(float(text)) >= 10 ** digits else text
+
+
+def order_name(name):
+    """Of a row STAGE/ORDER/..."""
+    order = name.split("/")[1]
+    return "diffuse" if order == "0" else order
+
+
+def gather_table(one, every, prefix):
+    """`one`, `every`: rows of one thread, and of all."""
+    rows = []
+    for name, row in one.items():
+        if not name.startswith(prefix + "/"):
+            continue
+        _, scene, hemisphere = name.split("/")
+        other = every.get(name, row)
+        rows.append([scene.replace("_", " "), count(row["triangles"]),
+                     hemisphere.replace("_", " "), count(row["texels"]),
+                     figure(row["record_ms"]), figure(other["record_ms"]),
+                     figure(row["record_ms"] / other["record_ms"], 2),
+                     figure(row["embree_ms"]), figure(other["embree_ms"]),
+                     figure(row["ratio"], 2), figure(other["ratio"], 2),
+                     figure(other["texels_per_s"] / 1e6), figure(other["embree_rays_per_s"] / 1e6)])
+    return table(["scene", "triangles", "hemisphere", "texels", "ms a record, one",
+                  "all", "faster by", "Embree, one", "all", "ratio, one", "all",
+                  "M texels/s, all", "Embree M rays/s, all"], rows)
+
+
+def build_table(rows_of):
+    scenes = [n.split("/")[2] for n in rows_of if n.startswith("build/embree/")]
+    return table(["scene", "triangles", "Embree, ms", "light cells, ms", "upload, ms",
+                  "upload and levels of detail, ms"],
+                 [[s.replace("_", " "), count(rows_of[f"build/embree/{s}"]["triangles"])] +
+                  [figure(rows_of[f"build/{part}/{s}"]["real_time"])
+                   for part in ("embree", "cells", "upload", "levels")] for s in scenes])
+
+
+def project_table(one, every):
+    return table(["order", "ms a record, one", "all", "G products/s, one", "all"],
+                 [[order_name(name), figure(row["record_ms"]), figure(every[name]["record_ms"]),
+                   figure(row["products_per_s"] / 1e9), figure(every[name]["products_per_s"] / 1e9)]
+                  for name, row in one.items() if name.startswith("project/")])
+
+
+# Of an accepted fragment: G-buffer read, two targets read and written, RGBA of 32-bit floats.
+FRAGMENT_BYTES = 16 * (2 + 2 * 2)
+
+
+def splat_table(rows_of, more_workers):
+    rows = []
+    for name, row in rows_of.items():
+        if not name.startswith("splat/"):
+            continue
+        drawn = row["net_accepted_per_s"] * FRAGMENT_BYTES
+        bandwidth = rows_of["triad"]["bytes_per_s"] if "triad" in rows_of else math.inf
+        rows.append([order_name(name), count(row["records"]),
+                     figure(row["real_time"]), figure(row["fixed_ms"]),
+                     f"{100 * row['accepted_share']:.0f}%",
+                     figure(row["accepted_per_s"] / 1e6), figure(row["net_accepted_per_s"] / 1e6),
+                     figure(more_workers.get(name, row)["net_accepted_per_s"] / 1e6),
+                     f"{100 * drawn / bandwidth:.1f}%"])
+    return table(["order", "records", "ms", "of these fixed", "fragments accepted",
+                  "M accepted/s", "without what is fixed", "and with the rasteriser's threads",
+                  "of the memory's bandwidth"], rows)
+
+
+def placement_table(rows_of):
+    return table(["order", "records", "ms", "µs a record"],
+                 [[order_name(name), count(row["records"]), figure(row["real_time"]),
+                   figure(1e6 / row["records_per_s"])]
+                  for name, row in rows_of.items() if name.startswith("placement/")])
+
+
+def image_table(rows_of):
+    titles = {"gbuffer": "G-buffer", "compose": "compose, order", "estimate": "estimate, order",
+              "exr": "EXR, layers"}
+    rows = []
+    for name, row in rows_of.items():
+        stage, _, of = name.partition("/")
+        if stage in titles:
+            what = of.replace("_", " ") if stage in ("gbuffer", "exr") else order_name(name)
+            rows.append([f"{titles[stage]} {what}",
+                         count(row["triangles"]) if "triangles" in row else "",
+                         figure(row["real_time"])])
+    if "triad" in rows_of:
+        rows.append(["memory bandwidth", "",
+                     f"{rows_of['triad']['bytes_per_s'] / 1e9:.1f} GB/s"])
+    return table(["stage", "triangles", "ms"], rows)
+
+
+def startup_table(warm, cold):
+    return table(["to the first G-buffer", "ms"],
+                 [["shaders in Mesa's cache", figure(warm)], ["cache empty", figure(cold)]])
+
+
+def whole_table(runs):
+    """`runs`: (scene, size, cold, warm)."""
+    rows = []
+    for scene, size, cold, warm in runs:
+        seconds = warm.stats["seconds"]
+        stages = [seconds[stage] for stage in STAGES]
+        rows.append([scene, size, count(warm.stats["records"]), f"{warm.seconds:.2f} s",
+                     f"{cold.seconds:.2f} s", *(f"{s:.2f}" for s in stages),
+                     f"{warm.seconds - sum(stages):.2f}", f"{warm.memory:.0f} MiB"])
+    return table(["scene", "size", "records", "warm", "cold", *STAGES, "other", "peak memory"], rows)
+
+
+# The page.
+
+def fill(page, tables):
+    """The text with what stands between <!-- NAME --> and <!-- /NAME --> replaced."""
+    for name, lines in tables.items():
+        pattern = re.compile(f"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
+        if not pattern.search(page):
+            raise RuntimeError(f"the page has no place for {name}")
+        page = pattern.sub(lambda m, lines=lines: m[1] + "\n".join([*lines, ""]) + m[2], page)
+    return page
+
+
+def machine(sheen, renderer):
+    with open("/proc/cpuinfo", encoding="utf-8") as info:
+        models = [line.split(": ", 1)[1].strip() for line in info if line.startswith("model name")]
+    version = subprocess.run([sheen, "--version"], check=True, capture_output=True, text=True)
+    parts = [f"Version {version.stdout.split()[-1]}", f"{os.cpu_count()} threads", *models[:1]]
+    return [", ".join(parts + ([renderer] if renderer else [])) + "."]
+
+
+def measure_stages(program, wanted, quick):
+    """Every table of stages whose names match `wanted`. One thread and all of them, and one OpenGL
+    context a thread for what rasterises: each in a process of its own, since Mesa's rasteriser is
+    set up once."""
+    every_core = os.cpu_count()
+    min_time, repetitions, starts = (0.001, 1, 1) if quick else (0.3, 3, 5)
+    names = [name for name in list_stages(program) if re.fullmatch(wanted, plain(name))]
+
+    def run(threads, workers, kinds):
+        chosen = [name for name in names if name.split("/")[0] in kinds.split()]
+        return run_stages(program, threads, workers, chosen, min_time, repetitions)
+
+    one = run(1, 1, "rays raster project")
+    every = run(every_core, 1,
+                "rays project build gbuffer placement triad splat compose estimate exr")
+    workers = run(every_core, every_core, "raster splat gbuffer")
+    with tempfile.TemporaryDirectory() as folder:
+        def start(cache):
+            names = [name for name in list_stages(program) if plain(name) == "startup"]
+            rows = run_stages(program, every_core, 1, names, 0, 1, f"{folder}/{cache}")
+            return rows["startup"]["real_time"]
+        cold = [start(i) for i in range(starts)]
+        warm = [start(0) for i in range(starts)]
+    return {"rays": gather_table(one, every, "rays"),
+            "raster": gather_table(one, workers, "raster"),
+            "build": build_table(every),
+            "project": project_table(one, every),
+            "splat": splat_table(every, workers),
+            "placement": placement_table(every),
+            "image": image_table(every),
+            "startup": startup_table(statistics.median(warm), statistics.median(cold))}
+
+
+def measure_whole(sheen, sizes, runs, options):
+    measured = []
+    for scene, size in sizes.items():
+        print(f"performance: rendering {scene} at {size}", file=sys.stderr)
+        measured.append((scene, size, *run_whole(sheen, scene, size, runs, options)))
+    return measured
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="bench/run", description="Measures stages and whole renders; prints Markdown tables.")
+    parser.add_argument("stages_program", help=argparse.SUPPRESS)
+    parser.add_argument("sheen_program", help=argparse.SUPPRESS)
+    parser.add_argument("what", nargs="?", choices=["all", "stages", "whole"], default="all")
+    parser.add_argument("--page", action="store_true",
+                        help="also put the tables into docs/performance.md")
+    parser.add_argument("--quick", action="store_true", help="each stage once, to see that it works")
+    parser.add_argument("--only", default=".*", metavar="REGEX",
+                        help="stages: benchmarks whose whole names match, such as 'splat/.*|triad'")
+    parser.add_argument("--runs", type=int, default=5, metavar="N",
+                        help="whole renders are the median of N warm runs, or of as many as take a "
+                             "minute (5)")
+    parser.add_argument("--scene", action="append", metavar="NAME[=WxH]", dest="scenes", default=[],
+                        help="whole: a scene of scenes/ instead of the default ones; repeatable")
+    parser.add_argument("--option", action="append", dest="options", default=[],
+                        metavar="OPTION", help="whole: of `sheen render`, as --option=--threads=1; "
+                                               "repeatable")
+    arguments = parser.parse_intermixed_args()
+    if arguments.page and (arguments.quick or arguments.scenes or arguments.options or
+                           arguments.only != parser.get_default("only")):
+        parser.error("--page: its tables are of the defaults")
+    sizes = {name: size or WHOLE.get(name, "512x512")
+             for name, _, size in (s.partition("=") for s in arguments.scenes)} or WHOLE
+    tables = {}
+    renderer = ""
+    if arguments.what != "stages":
+        whole = measure_whole(arguments.sheen_program, sizes, arguments.runs, arguments.options)
+        renderer = whole[0][3].stats["gl_renderer"]
+        tables["whole"] = whole_table(whole)
+    if arguments.what != "whole":
+        tables.update(measure_stages(arguments.stages_program, arguments.only,
+                                     arguments.quick))
+    # The page says for all its tables once what they were measured on.
+    tables["machine"] = machine(arguments.sheen_program, renderer)
+    for name, lines in tables.items():
+        print(f"\n{name}\n")
+        print("\n".join(lines))
+    if arguments.page:
+        PAGE.write_text(fill(PAGE.read_text(encoding="utf-8"), tables), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,203 @@
+// Gathering by rays and by the rasteriser, beside what Embree takes for 1,024 rays a record and
+// their shadow rays; what both need beforehand; and projection.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "baselines/ward_record.h"
+#include "cache/raster_gather.h"
+#include "cache/ray_gather.h"
+#include "core/parallel.h"
+#include "core/timer.h"
+#include "sh/projection.h"
+#include "stages_setup.h"
+
+namespace sheen::bench {
+namespace {
+
+constexpr size_t kBatch = 64;  // records gathered at once, as PlacementParams::batch
+constexpr int kDefaultSize = 38;
+constexpr int kYardstickRings = 18;  // 1,026 rays
+
+// One record a site by the baseline's gather; returns how many rays it cast, shadow rays included.
+int64_t gatherByYardstick(const GatherScene& s, std::span<const RecordSite> sites) {
+    static const WardStrata strata(kYardstickRings);
+    std::vector<Counters> counters(sites.size());
+    parallelFor(static_cast<int>(sites.size()), [&](int index) {
+        const auto i = static_cast<size_t>(index);
+        Surface p;
+        p.position = sites[i].position;
+        p.n_g = sites[i].geometric_normal;
+        p.n = sites[i].normal;
+        p.offset = surfaceOffset(s.scene.scene);
+        benchmark::DoNotOptimize(
+            gatherRecord(s.yardstick, p, strata, static_cast<uint32_t>(index), counters[i]));
+    });
+    int64_t rays = 0;
+    for (const Counters& c : counters) {
+        rays += c.rays;
+    }
+    return rays;
+}
+
+// Gathers batch after batch, and each batch by the yardstick too, so that both meet the same
+// conditions.
+template <class G>
+void measureGather(benchmark::State& state, const GatherScene& s, G& gatherer, int texels) {
+    const std::span<const RecordSite> sites(s.scene.sites);
+    gatherer.gather(sites.first(kBatch));  // shaders are compiled by their first draw
+    const GatherSeconds before = gatherer.seconds();
+    double own = 0.0, yardstick = 0.0;
+    int64_t yardstick_rays = 0;
+    size_t first = 0;
+    for (auto _ : state) {
+        const std::span<const RecordSite> batch = sites.subspan(first, kBatch);
+        first = (first + kBatch) % sites.size();
+        const Timer own_timer;
+        benchmark::DoNotOptimize(gatherer.gather(batch));
+        const double seconds = own_timer.seconds();
+        state.SetIterationTime(seconds);
+        own += seconds;
+        const Timer yardstick_timer;
+        yardstick_rays += gatherByYardstick(s, batch);
+        yardstick += yardstick_timer.seconds();
+    }
+    const auto records = static_cast<double>(state.iterations()) * kBatch;
+    state.counters["triangles"] = s.scene.scene.triangleCount();
+    state.counters["texels"] = texels;
+    state.counters["record_ms"] = 1e3 * own / records;
+    state.counters["project_ms"] = 1e3 * (gatherer.seconds().project - before.project) / records;
+    state.counters["records_per_s"] = records / own;
+    state.counters["texels_per_s"] = records * texels / own;
+    state.counters["embree_ms"] = 1e3 * yardstick / records;
+    state.counters["embree_rays_per_s"] = static_cast<double>(yardstick_rays) / yardstick;
+    state.counters["ratio"] = own / yardstick;
+}
+
+void gatherByRays(benchmark::State& state, Setup& setup, const SceneChoice& choice, int size) {
+    const GatherScene& s = setup.gatherScene(choice);
+    const HemisphereParams params = {.size = size};
+    RayGatherer gatherer(s.scene.rays, s.cells, params);
+    measureGather(state, s, gatherer, makeHemisphere(params).texelCount());
+}
+
+void gatherByRaster(benchmark::State& state, Setup& setup, const SceneChoice& choice,
+                    const HemisphereParams& params) {
+    const GatherScene& s = setup.gatherScene(choice);
+    RasterGatherer gatherer(setup.pool(), s.scene.scene, setup.gpuScene(choice, GpuUse::kGather),
+                            params);
+    measureGather(state, s, gatherer, makeHemisphere(params).texelCount());
+}
+
+// integrateHemisphere() of what a few records of the Cornell box see.
+void project(benchmark::State& state, Setup& setup, int order) {
+    const GatherScene& s = setup.gatherScene(kCornell);
+    const Hemisphere hemisphere = makeHemisphere({.size = kDefaultSize});
+    std::vector<RecordSite> sites(s.scene.sites.begin(), s.scene.sites.begin() + kBatch);
+    std::vector<std::vector<vec4>> texels;
+    for (RecordSite& site : sites) {
+        site.order = order;
+        texels.push_back(traceTexels(s.scene.rays, hemisphere, tangentFrame(site.normal),
+                                     s.scene.eye(site), {}));
+    }
+    ProjectionMatrices matrices;
+    matrices.prepare(hemisphere, sites);
+    double seconds = 0.0;
+    for (auto _ : state) {
+        const Timer timer;
+        parallelFor(static_cast<int>(sites.size()), [&](int index) {
+            const auto i = static_cast<size_t>(index);
+            benchmark::DoNotOptimize(
+                integrateHemisphere(hemisphere, texels[i], matrices.of(order), sites[i]));
+        });
+        state.SetIterationTime(timer.seconds());
+        seconds += timer.seconds();
+    }
+    const auto records = static_cast<double>(state.iterations()) * kBatch;
+    state.counters["order"] = order;
+    state.counters["texels"] = hemisphere.texelCount();
+    state.counters["record_ms"] = 1e3 * seconds / records;
+    state.counters["products_per_s"] =  // of a matrix entry and a texel
+        records * shLayout(order).size() * hemisphere.texelCount() / seconds;
+}
+
+// What is made of a scene before anything is gathered.
+template <class Make>
+void measureBuild(benchmark::State& state, const Scene& scene, const Make& make) {
+    for (auto _ : state) {
+        make();
+    }
+    state.counters["triangles"] = scene.triangleCount();
+}
+
+void registerBuild(Setup& setup, const SceneChoice& choice) {
+    using State = benchmark::State;
+    const auto add = [&](const char* part, const auto& body) {
+        benchmark::RegisterBenchmark(fmt::format("build/{}/{}", part, choice.name).c_str(), body)
+            ->UseRealTime()
+            ->Unit(benchmark::kMillisecond);
+    };
+    add("embree", [&setup, choice](State& state) {
+        const Scene& scene = setup.gatherScene(choice).scene.scene;
+        measureBuild(state, scene, [&] { const RayCaster rays(scene); });
+    });
+    add("cells", [&setup, choice](State& state) {
+        const BenchScene& s = setup.gatherScene(choice).scene;
+        measureBuild(state, s.scene, [&] { const LightCells cells(s.rays); });
+    });
+    const auto upload = [&](const char* part, GpuUse use) {
+        add(part, [&setup, choice, use](State& state) {
+            const Scene& scene = setup.gatherScene(choice).scene.scene;
+            measureBuild(state, scene, [&] {
+                setup.pool().runOnFirst([&] { const GpuScene gpu = uploadScene(scene, use); });
+            });
+        });
+    };
+    upload("upload", GpuUse::kCamera);
+    upload("levels", GpuUse::kGather);
+}
+
+}  // namespace
+
+void registerGather(Setup& setup) {
+    const auto add = [](const std::string& name, const auto& body) {
+        benchmark::RegisterBenchmark(name.c_str(), body)
+            ->UseManualTime()
+            ->Unit(benchmark::kMillisecond);
+    };
+    const auto addRays = [&](const SceneChoice& choice, int size) {
+        add(fmt::format("rays/{}/{}", choice.name, size),
+            [&setup, choice, size](benchmark::State& state) {
+                gatherByRays(state, setup, choice, size);
+            });
+    };
+    const auto addRaster = [&](const SceneChoice& choice, const char* kind,
+                               const HemisphereParams& params) {
+        add(fmt::format("raster/{}/{}_{}", choice.name, kind, params.size),
+            [&setup, choice, params](benchmark::State& state) {
+                gatherByRaster(state, setup, choice, params);
+            });
+    };
+    for (int order : {0, 4, 6, 8, 10}) {
+        add(fmt::format("project/{}", order),
+            [&setup, order](benchmark::State& state) { project(state, setup, order); });
+    }
+    std::vector<SceneChoice> choices(std::begin(kBySize), std::end(kBySize));
+    choices.push_back(kStatue);
+    choices.push_back(kAtrium);
+    for (const SceneChoice& choice : choices) {
+        const std::string_view name = choice.name;
+        const bool all_sizes = name == kCornell.name || name == kAtrium.name;
+        for (int size : {24, kDefaultSize, 64, 128}) {
+            if (size == kDefaultSize || all_sizes) {
+                addRays(choice, size);
+            }
+        }
+        addRaster(choice, "hemicube", {.kind = HemisphereKind::kHemicube, .size = kDefaultSize});
+        addRaster(choice, "border", {.kind = HemisphereKind::kBorder, .size = 64});
+        registerBuild(setup, choice);
+    }
+}
+
+}  // namespace sheen::bench
