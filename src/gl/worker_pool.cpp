@@ -7,14 +7,15 @@
 
 namespace sheen::gl {
 
-WorkerPool::WorkerPool(int workers) {
+WorkerPool::WorkerPool(int workers, int shading_threads) {
     SHEEN_CHECK(workers > 0);
     const Backend backend = backendFromEnvironment();
     if (backend == Backend::kEgl) {
         workers = 1;
     }
     for (int i = 0; i < workers; ++i) {
-        contexts_.push_back(makeContext(backend, i > 0 ? contexts_[0].get() : nullptr, workers));
+        contexts_.push_back(
+            makeContext(backend, i > 0 ? contexts_[0].get() : nullptr, shading_threads));
         if (i == 0) {
             renderer_ = rendererName();
         }

@@ -19,8 +19,10 @@ namespace sheen::gl {
 class WorkerPool {
   public:
     /// `workers` threads; one where the backend is a GPU, whose driver has its own parallelism.
+    /// The software rasteriser shades with `shading_threads`, those of the first pool in a process.
     /// Environment error when no context can be made.
-    explicit WorkerPool(int workers);
+    WorkerPool(int workers, int shading_threads);
+    explicit WorkerPool(int workers) : WorkerPool(workers, workers) {}
     ~WorkerPool();
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;

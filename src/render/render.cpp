@@ -109,7 +109,7 @@ struct Stage {
 // cannot follow. Direct light comes from rays where records use rays, else from shadow maps.
 Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds)
     // Only the raster gather draws with more than one context.
-    : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount()),
+    : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
       traced(params.width, params.height) {
     const bool by_rays = params.gather_road == GatherRoad::kRays;
     const Timer shadow_timer;
