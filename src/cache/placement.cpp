@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "cache/record_tree.h"
 #include "core/error.h"
 #include "core/progress.h"
 
@@ -41,7 +42,8 @@ class Placer {
           params_(params),
           weight_(params.weight()),
           gather_(gather),
-          sums_(gbuffer.width, gbuffer.height) {}
+          sums_(gbuffer.width, gbuffer.height),
+          tree_(scene.bounds) {}
 
     Placement run(bool quiet);
 
@@ -103,7 +105,8 @@ class Placer {
     const GatherFunction& gather_;
     Image<uint32_t> sums_;
     std::vector<Placed> placed_;
-    std::vector<vec4> spheres_;  // of each placed record position and radius, for scans over all
+    std::vector<vec4> spheres_;  // of each placed record position and radius
+    RecordTree tree_;
     Placement result_;
 };
 
@@ -112,17 +115,19 @@ Placer::Nearest Placer::nearestTo(const vec3& p) const {
     nearest.fill(kNone);
     std::array<float, kNearest> distances;
     distances.fill(kInfinity);
-    for (size_t j = 0; j < spheres_.size(); ++j) {
+    const auto may_be_nearer = [&](float distance2, float) {
+        return distance2 <= distances.back();
+    };
+    tree_.visit(p, may_be_nearer, [&](size_t j) {
         const vec3 d = vec3(spheres_[j]) - p;
-        float distance2 = glm::dot(d, d);
-        size_t index = j;
-        for (size_t k = 0; k < kNearest && distance2 < distances.back(); ++k) {
-            if (distance2 < distances[k]) {
-                std::swap(distance2, distances[k]);
-                std::swap(index, nearest[k]);
+        std::pair candidate(glm::dot(d, d), j);
+        for (size_t k = 0; k < kNearest; ++k) {
+            if (candidate < std::pair(distances[k], nearest[k])) {
+                std::swap(candidate.first, distances[k]);
+                std::swap(candidate.second, nearest[k]);
             }
         }
-    }
+    });
     return nearest;
 }
 
@@ -201,6 +206,7 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
         heedNeighbours(placed_.size() - 1);
         clampNeighbours(placed_.size() - 1);
         spheres_.back().w = record.radius;
+        tree_.insert(record.position, record.radius);
         splat(record, true);
     }
 }
@@ -272,7 +278,17 @@ void Placer::heedNeighbours(size_t added) {
     const float tolerated = params_.disagreement * params_.accuracy;
     Placed& fresh = placed_[added];
     Record& record = fresh.gathered.record;
-    for (size_t j = 0; j < added; ++j) {
+    std::vector<size_t> near;
+    const float radius = record.radius;
+    tree_.visit(
+        record.position,
+        [&](float distance2, float greatest) {
+            const float reach = params_.accuracy * (radius + greatest);
+            return distance2 <= reach * reach;
+        },
+        [&](size_t j) { near.push_back(j); });
+    std::sort(near.begin(), near.end());  // each shrinks the new record for those after it
+    for (size_t j : near) {
         const vec3 d = record.position - vec3(spheres_[j]);
         const float reach = params_.accuracy * (record.radius + spheres_[j].w);
         if (glm::dot(d, d) > reach * reach) {
@@ -314,20 +330,20 @@ void Placer::clampNeighbours(size_t added) {
     const auto distance = [&](const vec4& sphere) {
         return glm::length(fresh.position - vec3(sphere));
     };
-    for (size_t j = 0; j < added; ++j) {
-        if (spheres_[j].w < fresh.radius) {
+    tree_.visit(
+        fresh.position,
+        [&](float distance2, float) { return distance2 < fresh.radius * fresh.radius; },
+        [&](size_t j) {
             fresh.radius = std::min(fresh.radius, spheres_[j].w + distance(spheres_[j]));
-        }
-    }
+        });
     fresh.radius = std::max(fresh.radius, leastRadius(placed_[added].footprint));
-    for (size_t j = 0; j < added; ++j) {
-        if (spheres_[j].w > fresh.radius) {
-            const float limit = fresh.radius + distance(spheres_[j]);
-            if (spheres_[j].w > limit) {
-                limitRadius(j, limit);
-            }
-        }
-    }
+    tree_.visit(
+        fresh.position,
+        [&](float distance2, float greatest) {
+            const float beyond = greatest - fresh.radius;
+            return beyond > 0.0f && distance2 < beyond * beyond;
+        },
+        [&](size_t j) { limitRadius(j, fresh.radius + distance(spheres_[j])); });
 }
 
 void Placer::splat(const Record& record, bool add) {
