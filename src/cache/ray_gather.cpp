@@ -64,6 +64,11 @@ struct TexelRays {
     std::vector<float> solid_angles = {};  // that the rays stand for
     std::vector<size_t> of = {};
 
+    void reserve(size_t count) {
+        directions.reserve(count);
+        solid_angles.reserve(count);
+        of.reserve(count);
+    }
     void add(const vec3& direction, float solid_angle, size_t texel) {
         if (glm::dot(direction, n_g) > 0.0f) {
             directions.push_back(direction);
@@ -242,6 +247,7 @@ RayGatherer::Seen RayGatherer::see(const RecordSite& site, uint32_t index,
 
     // One ray a texel.
     TexelRays first{.n_g = site.geometric_normal};
+    first.reserve(texels.size());
     for (size_t f = 0; f < faces.size(); ++f) {
         const HemisphereFace& face = h.faces[f];
         for (int y0 = 0; y0 < face.height; y0 += kBlockHeight) {
@@ -265,6 +271,7 @@ RayGatherer::Seen RayGatherer::see(const RecordSite& site, uint32_t index,
     std::vector<float> contrasts = contrastsOfNeighbours(h, relativeLight(texels, weights));
     heedContrasts(h, faces, eye, found, contrasts);
     TexelRays more{.n_g = site.geometric_normal};
+    more.reserve(2 * texels.size());
     for (size_t f = 0; f < faces.size(); ++f) {
         const HemisphereFace& face = h.faces[f];
         for (int y = 0; y < face.height; ++y) {
