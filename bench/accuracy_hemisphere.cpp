@@ -16,8 +16,7 @@ using namespace hemispheres;
 namespace {
 
 constexpr char kProductWay[] = "gather";
-// Rays a texel of the gather: one, and eight more through 9% (docs/decisions.md).
-constexpr float kProductRays = 1.72f;
+constexpr size_t kNearest = 3;  // records that tell a new one where to look closer, as in a render
 
 // Weights of a layout's texels: cosine, and the lobe at each view and azimuth.
 struct Kernels {
@@ -168,8 +167,41 @@ void traceLayout(const BenchScenes& scenes, int sites, const Layout& layout,
     });
 }
 
-// The product's gather, its extra rays included. It hands out no texels: its lobes go through
-// spherical harmonics of order 10.
+std::vector<GatheredRecord> gatherAll(RayGatherer& gatherer, const std::vector<RecordSite>& sites) {
+    constexpr size_t kBatch = 64;
+    std::vector<GatheredRecord> records;
+    for (size_t first = 0; first < sites.size(); first += kBatch) {
+        const size_t count = std::min(kBatch, sites.size() - first);
+        for (GatheredRecord& g : gatherer.gather(std::span(sites).subspan(first, count))) {
+            records.push_back(std::move(g));
+        }
+    }
+    return records;
+}
+
+// What the nearest of the other records found.
+std::vector<Contrast> contrastsNear(const std::vector<GatheredRecord>& records, size_t index) {
+    std::vector<std::pair<float, size_t>> others;
+    for (size_t j = 0; j < records.size(); ++j) {
+        const vec3 d = records[j].record.position - records[index].record.position;
+        if (j != index) {
+            others.emplace_back(glm::dot(d, d), j);
+        }
+    }
+    const size_t count = std::min(kNearest, others.size());
+    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count),
+                      others.end());
+    std::vector<Contrast> contrasts;
+    for (size_t k = 0; k < count; ++k) {
+        const std::vector<Contrast>& found = records[others[k].second].contrasts;
+        contrasts.insert(contrasts.end(), found.begin(), found.end());
+    }
+    return contrasts;
+}
+
+// The product's gather, its extra rays included: of records that come after others, since all
+// points are gathered twice, and the second time know what their neighbours found the first time.
+// It hands out no texels: its lobes go through spherical harmonics of order 10.
 void traceProduct(const BenchScenes& scenes, int sites, int size, std::vector<Row>& rows) {
     constexpr int kOrder = shared::SH_MAX_ORDER;
     const auto all = scenes.size() * static_cast<size_t>(sites);
@@ -178,37 +210,41 @@ void traceProduct(const BenchScenes& scenes, int sites, int size, std::vector<Ro
                     .way = kProductWay,
                     .extent = 1.0f,
                     .size = size,
-                    .rays = static_cast<int>(kProductRays * 3.0f * static_cast<float>(size * size)),
+                    .rays = 0,
                     .values = Values(all)});
     Values& values = rows.back().values;
     const BrdfRotator rotator(kOrder);
+    int64_t rays = 0;
     for (size_t s = 0; s < scenes.size(); ++s) {
         const LightCells cells(scenes[s]->rays);
         RayGatherer gatherer(scenes[s]->rays, cells, params);
-        constexpr int kBatch = 64;
-        for (int first = 0; first < sites; first += kBatch) {
-            std::vector<RecordSite> batch(
-                scenes[s]->sites.begin() + first,
-                scenes[s]->sites.begin() + std::min(first + kBatch, sites));
-            for (RecordSite& site : batch) {
-                site.order = kOrder;
-            }
-            const std::vector<GatheredRecord> records = gatherer.gather(batch);
-            for (size_t r = 0; r < records.size(); ++r) {
-                const size_t i = s * static_cast<size_t>(sites) + static_cast<size_t>(first) + r;
-                const mat3 frame = tangentFrame(batch[r].normal);
-                values.of[0][i] = grey(records[r].record.irradiance);
-                for (int view = 0; view < kViews; ++view) {
-                    const vec3 wo = viewer(view, azimuthOf(static_cast<int>(i)));
-                    float lobe[kOrder * kOrder];
-                    rotator.rotate(brdfSh(wo.z, std::sqrt(kAlpha)), kMetalF0, 1.0f, frame[2],
-                                   frame * wo, lobe);
-                    values.of[1 + view][i] = grey(convolveRecord(
-                        records[r].record, records[r].sh.data(), lobe, kOrder, batch[r].position));
-                }
+        std::vector<RecordSite> of_scene(scenes[s]->sites.begin(),
+                                         scenes[s]->sites.begin() + sites);
+        for (RecordSite& site : of_scene) {
+            site.order = kOrder;
+        }
+        const std::vector<GatheredRecord> before = gatherAll(gatherer, of_scene);
+        const int64_t rays_before = gatherer.rays();
+        for (size_t r = 0; r < of_scene.size(); ++r) {
+            of_scene[r].contrasts = contrastsNear(before, r);
+        }
+        const std::vector<GatheredRecord> records = gatherAll(gatherer, of_scene);
+        rays += gatherer.rays() - rays_before;
+        for (size_t r = 0; r < records.size(); ++r) {
+            const size_t i = s * static_cast<size_t>(sites) + r;
+            const mat3 frame = tangentFrame(of_scene[r].normal);
+            values.of[0][i] = grey(records[r].record.irradiance);
+            for (int view = 0; view < kViews; ++view) {
+                const vec3 wo = viewer(view, azimuthOf(static_cast<int>(i)));
+                float lobe[kOrder * kOrder];
+                rotator.rotate(brdfSh(wo.z, std::sqrt(kAlpha)), kMetalF0, 1.0f, frame[2],
+                               frame * wo, lobe);
+                values.of[1 + view][i] = grey(convolveRecord(
+                    records[r].record, records[r].sh.data(), lobe, kOrder, of_scene[r].position));
             }
         }
     }
+    rows.back().rays = static_cast<int>(rays / static_cast<int64_t>(all));
 }
 
 // Over scenes: the root mean square of their errors.
@@ -275,13 +311,12 @@ void study(const BenchScenes& scenes, int sites, const std::vector<Layout>& layo
         csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", row.kind, row.way, row.extent, row.size,
                            row.rays, e.rel_rmse[0], e.rel_rmse[1], e.rel_rmse[2], e.rel_rmse[3]);
         const bool cube = row.kind == "hemicube";
-        std::vector<std::string> cells = {
-            row.kind,
-            cube ? "" : fmt::format("{}", row.extent),
-            std::to_string(row.size),
-            row.way,
-            (row.way == kProductWay ? "about " : "") + std::to_string(row.rays),
-            percent(e.rel_rmse[0])};
+        std::vector<std::string> cells = {row.kind,
+                                          cube ? "" : fmt::format("{}", row.extent),
+                                          std::to_string(row.size),
+                                          row.way,
+                                          std::to_string(row.rays),
+                                          percent(e.rel_rmse[0])};
         for (double v : e.irradiance_by_scene) {
             cells.push_back(percent(v));
         }
@@ -306,11 +341,11 @@ void studyHemispheres(const BenchScenes& scenes, int sites, const Output& output
     study(scenes, sites,
           {planeLayout(64, 2.0f), planeLayout(64, 3.0f), cubeLayout(32, {}, "middles"),
            cubeLayout(32, {.random = true}, "random")},
-          {32}, "hemispheres", output);
+          {20, 38}, "hemispheres", output);
 }
 
 void studyHemisphereSizes(const BenchScenes& scenes, int sites, const Output& output) {
-    study(scenes, sites, sizeLayouts(), {16, 24, 32, 40, 48, 64}, "hemisphere_sizes", output);
+    study(scenes, sites, sizeLayouts(), {12, 16, 20, 24, 32, 40}, "hemisphere_sizes", output);
 }
 
 }  // namespace sheen::bench

@@ -156,7 +156,7 @@ def project_table(one, every):
 FRAGMENT_BYTES = 16 * (2 + 2 * 2)
 
 
-def splat_table(rows_of, more_workers):
+def splat_table(one, rows_of):
     rows = []
     for name, row in rows_of.items():
         if not name.startswith("splat/"):
@@ -167,10 +167,10 @@ def splat_table(rows_of, more_workers):
                      figure(row["real_time"]), figure(row["fixed_ms"]),
                      f"{100 * row['accepted_share']:.0f}%",
                      figure(row["accepted_per_s"] / 1e6), figure(row["net_accepted_per_s"] / 1e6),
-                     figure(more_workers.get(name, row)["net_accepted_per_s"] / 1e6),
+                     figure(one.get(name, row)["net_accepted_per_s"] / 1e6),
                      f"{100 * drawn / bandwidth:.1f}%"])
     return table(["order", "records", "ms", "of these fixed", "fragments accepted",
-                  "M accepted/s", "without what is fixed", "and with the rasteriser's threads",
+                  "M accepted/s", "without what is fixed", "and by one thread",
                   "of the memory's bandwidth"], rows)
 
 
@@ -247,10 +247,10 @@ def measure_stages(program, wanted, quick):
         chosen = [name for name in names if name.split("/")[0] in kinds.split()]
         return run_stages(program, threads, workers, chosen, min_time, repetitions)
 
-    one = run(1, 1, "rays raster project")
+    one = run(1, 1, "rays raster project splat")
     every = run(every_core, 1,
                 "rays project build gbuffer placement triad splat compose estimate exr")
-    workers = run(every_core, every_core, "raster splat gbuffer")
+    workers = run(every_core, every_core, "raster")
     with tempfile.TemporaryDirectory() as folder:
         def start(cache):
             names = [name for name in list_stages(program) if plain(name) == "startup"]
@@ -262,7 +262,7 @@ def measure_stages(program, wanted, quick):
             "raster": gather_table(one, workers, "raster"),
             "build": build_table(every),
             "project": project_table(one, every),
-            "splat": splat_table(every, workers),
+            "splat": splat_table(one, every),
             "placement": placement_table(every),
             "image": image_table(every),
             "startup": startup_table(statistics.median(warm), statistics.median(cold))}

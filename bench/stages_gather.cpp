@@ -17,7 +17,8 @@ namespace sheen::bench {
 namespace {
 
 constexpr size_t kBatch = 64;  // records gathered at once, as PlacementParams::batch
-constexpr int kDefaultSize = 38;
+constexpr int kRaySize = 20;   // at the default accuracy
+constexpr int kRasterSize = 38;
 constexpr int kYardstickRings = 18;  // 1,026 rays
 
 // One record a site by the baseline's gather; returns how many rays it cast, shadow rays included.
@@ -93,7 +94,7 @@ void gatherByRaster(benchmark::State& state, Setup& setup, const SceneChoice& ch
 // integrateHemisphere() of what a few records of the Cornell box see.
 void project(benchmark::State& state, Setup& setup, int order) {
     const GatherScene& s = setup.gatherScene(kCornell);
-    const Hemisphere hemisphere = makeHemisphere({.size = kDefaultSize});
+    const Hemisphere hemisphere = makeHemisphere({.size = kRaySize});
     std::vector<RecordSite> sites(s.scene.sites.begin(), s.scene.sites.begin() + kBatch);
     std::vector<std::vector<vec4>> texels;
     for (RecordSite& site : sites) {
@@ -189,12 +190,12 @@ void registerGather(Setup& setup) {
     for (const SceneChoice& choice : choices) {
         const std::string_view name = choice.name;
         const bool all_sizes = name == kCornell.name || name == kAtrium.name;
-        for (int size : {24, kDefaultSize, 64, 128}) {
-            if (size == kDefaultSize || all_sizes) {
+        for (int size : {kRaySize, 38, 64, 128}) {
+            if (size == kRaySize || all_sizes) {
                 addRays(choice, size);
             }
         }
-        addRaster(choice, "hemicube", {.kind = HemisphereKind::kHemicube, .size = kDefaultSize});
+        addRaster(choice, "hemicube", {.kind = HemisphereKind::kHemicube, .size = kRasterSize});
         addRaster(choice, "border", {.kind = HemisphereKind::kBorder, .size = 64});
         registerBuild(setup, choice);
     }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.h"
+
 namespace sheen::bench {
 namespace {
 
@@ -101,7 +103,7 @@ Setup::~Setup() {
 
 gl::WorkerPool& Setup::pool() {
     if (!pool_) {
-        pool_ = std::make_unique<gl::WorkerPool>(gl_workers_);
+        pool_ = std::make_unique<gl::WorkerPool>(gl_workers_, threadCount());
     }
     return *pool_;
 }

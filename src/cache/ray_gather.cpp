@@ -206,13 +206,14 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         const uint32_t index = gathered_ + static_cast<uint32_t>(i);
         const RecordSite& site = sites[static_cast<size_t>(i)];
         std::span<const Contrast> found = site.contrasts;
-        std::vector<Contrast> looked;
+        Seen looked;
         // The first look twice, and only what they see the second time counts.
         if (site.first) {
-            looked = see(site, ~index, found).contrasts;
-            found = looked;
+            looked = see(site, ~index, found);
+            found = looked.contrasts;
         }
         seen[static_cast<size_t>(i)] = see(site, index, found);
+        seen[static_cast<size_t>(i)].rays += looked.rays;
     });
     seconds_.see += see_timer.seconds();
     const Timer project_timer;
@@ -225,6 +226,9 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
     });
     seconds_.project += project_timer.seconds();
     gathered_ += static_cast<uint32_t>(count);
+    for (const Seen& s : seen) {
+        rays_cast_ += s.rays;
+    }
     return results;
 }
 
@@ -301,6 +305,7 @@ RayGatherer::Seen RayGatherer::see(const RecordSite& site, uint32_t index,
         texels[t] /= static_cast<float>(1 + raysMore(contrasts[t]));
         texels[t].w = inverse(texels[t].w);
     }
+    result.rays = static_cast<int64_t>(first.of.size() + more.of.size());
     result.contrasts = findContrasts(h, texels, weights, more, more_seen, eye, frame);
     return result;
 }

@@ -24,11 +24,14 @@ class RayGatherer {
 
     /// Time spent so far.
     GatherSeconds seconds() const { return seconds_; }
+    /// Rays cast so far from records, those from what they met to the lights not counted.
+    int64_t rays() const { return rays_cast_; }
 
   private:
     struct Seen {
         std::vector<vec4> texels;  // radiance, distance
         std::vector<Contrast> contrasts;
+        int64_t rays = 0;
     };
     Seen see(const RecordSite& site, uint32_t index, std::span<const Contrast> found) const;
 
@@ -37,6 +40,7 @@ class RayGatherer {
     Hemisphere hemisphere_;
     ProjectionMatrices projections_;
     uint32_t gathered_ = 0;
+    int64_t rays_cast_ = 0;
     GatherSeconds seconds_;
 };
 
