@@ -65,8 +65,7 @@ double shadedFragments(const GBuffer& gbuffer, const RecordCache& cache, const W
                        int order) {
     double area = 0.0;
     for (const Record& r : cache.records) {
-        const PixelRect b = sphereBounds(gbuffer.view, gbuffer.width, gbuffer.height, r.position,
-                                         weight.accuracy * r.radius);
+        const PixelRect b = servedBounds(gbuffer, r, weight);
         area += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
     }
     return order > shared::DIFFUSE_ORDER ? 2.0 * area : area;

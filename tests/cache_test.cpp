@@ -142,6 +142,10 @@ struct Sphere {
     float radius;
 };
 
+PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius) {
+    return slabBounds(view, width, height, center, radius, vec3(0, 1, 0), kInfinity);
+}
+
 // Whether the ray through a pixel's centre meets the sphere.
 bool meets(const Camera& camera, int width, int height, int x, int y, const Sphere& sphere) {
     const CameraRay ray =
@@ -315,6 +319,62 @@ TEST(SphereBounds, ConservativeForSpheresThroughTheEyesPlane) {
         seen += expectConservative(camera, 24, 24, center, 1.0f);
     }
     EXPECT_GT(seen, 1000);
+}
+
+// Points of a slab, on its rim and inside, fall into its rectangle, which is seldom much larger.
+TEST(SlabBounds, HoldTheSlabAndLittleElse) {
+    constexpr int kPoints = 2000;
+    constexpr int kImage = 400;
+    Random random(11);
+    double slab_area = 0.0, sphere_area = 0.0, hull_area = 0.0;
+    for (int i = 0; i < 200; ++i) {
+        const Camera camera = randomCamera(random, 0.3f, 2.0f);
+        const View view = cameraView(camera, kImage, kImage, 1e-4f);
+        const float radius = random.uniform(0.05f, 0.6f);
+        const float height = radius * random.uniform(0.0f, 0.3f);
+        const vec3 center = view.origin +
+                            random.uniform(1.0f, 4.0f) * glm::normalize(view.forward) +
+                            0.3f * random.direction();
+        const vec3 n = random.direction();
+        const mat3 frame = tangentFrame(n);
+        const PixelRect rect = slabBounds(view, kImage, kImage, center, radius, n, height);
+        const PixelRect sphere = sphereBounds(view, kImage, kImage, center, radius);
+        EXPECT_TRUE(rect.x0 >= sphere.x0 && rect.x1 <= sphere.x1 && rect.y0 >= sphere.y0 &&
+                    rect.y1 <= sphere.y1);
+        const mat3 image_from_world = glm::inverse(mat3(view.right, view.up, view.forward));
+        vec2 low(kInfinity), high(-kInfinity);
+        for (int k = 0; k < kPoints; ++k) {
+            const float h = height * random.uniform(-1.0f, 1.0f);
+            const float rim = std::sqrt(radius * radius - h * h);
+            const float share = k % 2 == 0 ? 1.0f : std::sqrt(random.uniform(0.0f, 1.0f));
+            const float phi = random.uniform(0.0f, 2.0f * kPi);
+            const vec3 p =
+                center + frame * vec3(share * rim * std::cos(phi), share * rim * std::sin(phi), h);
+            const vec3 q = image_from_world * (p - view.origin);
+            const vec2 pixel = (0.5f * vec2(q) / q.z + 0.5f) * static_cast<float>(kImage);
+            low = glm::min(low, pixel);
+            high = glm::max(high, pixel);
+            const bool in_image = q.z > 0.0f && std::min(pixel.x, pixel.y) >= 0.0f &&
+                                  std::max(pixel.x, pixel.y) < kImage;
+            if (in_image) {
+                EXPECT_TRUE(pixel.x > static_cast<float>(rect.x0) - 0.01f &&
+                            pixel.x < static_cast<float>(rect.x1) + 0.01f &&
+                            pixel.y > static_cast<float>(rect.y0) - 0.01f &&
+                            pixel.y < static_cast<float>(rect.y1) + 0.01f)
+                    << pixel.x << " " << pixel.y << " of " << i;
+            }
+        }
+        const auto area = [](const PixelRect& r) {
+            return static_cast<double>(r.x1 - r.x0) * (r.y1 - r.y0);
+        };
+        const vec2 size(kImage);
+        const vec2 hull = glm::clamp(high, vec2(0.0f), size) - glm::clamp(low, vec2(0.0f), size);
+        slab_area += area(rect);
+        sphere_area += area(sphere);
+        hull_area += hull.x * hull.y;
+    }
+    EXPECT_LT(slab_area, 1.15 * hull_area);
+    EXPECT_LT(slab_area, 0.8 * sphere_area);
 }
 
 TEST(SphereBounds, TheWholeImageAroundTheEyeAndNothingBehindIt) {

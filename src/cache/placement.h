@@ -71,12 +71,18 @@ Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelCl
 float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
                         const PixelLobes& lobes, const Record& record, const float* sh, int pixel);
 
-/// Rectangle of pixels [x0, x1) x [y0, y1) that bounds a sphere in the image, conservatively; the
-/// whole image when the sphere comes near the camera; empty when it lies behind.
+/// Rectangle of pixels [x0, x1) x [y0, y1).
 struct PixelRect {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
-PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius);
+/// Bounds in the image, conservatively, what of a sphere lies within half_height of the plane
+/// through its centre; the whole image when the sphere comes near the camera; empty when it lies
+/// behind.
+PixelRect slabBounds(const View& view, int width, int height, const vec3& center, float radius,
+                     const vec3& normal, float half_height);
+
+/// The same for the region that a record serves.
+PixelRect servedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight);
 
 /// Whether a record of `record_order` serves pixels of `pixel_order`: its own class or a lower one.
 inline bool serves(int record_order, int pixel_order) {
@@ -88,8 +94,7 @@ inline bool serves(int record_order, int pixel_order) {
 template <typename Wanted, typename Visit>
 void forServed(const GBuffer& gbuffer, const PixelClasses& classes, const Record& k,
                const WeightParams& weight, const Wanted& wanted, const Visit& visit) {
-    const PixelRect rect = sphereBounds(gbuffer.view, gbuffer.width, gbuffer.height, k.position,
-                                        weight.accuracy * k.radius);
+    const PixelRect rect = servedBounds(gbuffer, k, weight);
     for (int y = rect.y0; y < rect.y1; ++y) {
         for (int x = rect.x0; x < rect.x1; ++x) {
             const auto pixel = static_cast<size_t>(y * gbuffer.width + x);

@@ -32,11 +32,11 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         normals.pixels[i].w = static_cast<float>(classes.orders.pixels[i]);
         any_glossy |= classes.orders.pixels[i] > shared::DIFFUSE_ORDER;
     }
-    std::vector<glm::ivec4> rects;
+    std::vector<glm::ivec4> rects, glossy_rects;  // empty where a record serves no glossy pixel
     for (const Record& r : cache.records) {
-        const PixelRect b =
-            sphereBounds(gbuffer.view, width, height, r.position, weight.accuracy * r.radius);
+        const PixelRect b = servedBounds(gbuffer, r, weight);
         rects.emplace_back(b.x0, b.y0, b.x1, b.y1);
+        glossy_rects.push_back(r.order > shared::DIFFUSE_ORDER ? rects.back() : glm::ivec4(0));
     }
     const auto records = static_cast<int>(cache.records.size());
     pool.runOnFirst([&] {
@@ -45,6 +45,7 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         }
         const Buffer record_buffer = makeBuffer(std::span<const Record>(cache.records));
         const Buffer rect_buffer = makeBuffer(std::span<const glm::ivec4>(rects));
+        const Buffer glossy_rect_buffer = makeBuffer(std::span<const glm::ivec4>(glossy_rects));
         const Buffer sh_buffer = makeBuffer(std::span<const float>(cache.sh));
         const Buffer lobe_buffer = makeBuffer(std::span<const float>(lobes.coefficients));
         const auto upload = [&](GLenum internal, GLenum format, GLenum type, const void* data) {
@@ -83,6 +84,7 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         if (any_glossy) {
             glossy = Program("splat/splat.vert", "splat/splat.frag",
                              {"GLOSSY 1", fmt::format("SH_GRADIENT_ORDER {}", kShGradientOrder)});
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, glossy_rect_buffer.name());
             drawPass(glossy, gbuffer, weight, records);
         }
         glDisable(GL_BLEND);
