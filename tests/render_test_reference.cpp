@@ -128,7 +128,7 @@ TEST(AgainstTheReference, ATargetErrorIsKept) {
     const Scene scene = cornellRoom(diffuseParams(vec3(0.6f)), diffuseParams(vec3(0.5f)));
     const ReferenceResult truth = reference(scene);
     int last_records = 0;
-    for (double target : {0.08, 0.03}) {
+    for (double target : {0.08, 0.015}) {
         RenderParams params = smallRender(kSize, kSize);
         params.gather.size = 0;
         params.target_error = target;
