@@ -11,8 +11,8 @@ namespace {
 constexpr int kSites = 512;  // of a scene to gather in
 constexpr int kSide = 512;
 
-// Cuts every triangle into n * n alike, each with n * n times the vertices' share: triangles do not
-// share vertices with those cut from others.
+// Cuts every triangle into n * n alike. Those cut from one triangle share vertices with each other
+// only.
 Scene tessellated(const Scene& scene, int n) {
     Scene cut = scene;
     cut.positions.clear();

@@ -67,8 +67,8 @@ struct MadeUpRecords {
 /// share it.
 class Setup {
   public:
-    /// `folder`: scenes/. `gl_workers`: of all OpenGL in this process, since Mesa takes the number
-    /// of its rasteriser's threads from the first context (gl/context.cpp).
+    /// `folder`: scenes/. `gl_workers`: contexts of all OpenGL in this process, whose rasteriser
+    /// has threadCount() threads.
     Setup(std::string folder, int gl_workers);
     ~Setup();
     Setup(const Setup&) = delete;

@@ -377,6 +377,57 @@ TEST(SlabBounds, HoldTheSlabAndLittleElse) {
     EXPECT_LT(slab_area, 0.8 * sphere_area);
 }
 
+// Wherever a record has weight, on whatever surface, the pixel lies in its rectangle.
+TEST(ServedBounds, HoldWhatHasWeight) {
+    constexpr int kRecords = 300;
+    constexpr int kPoints = 2000;
+    Random random(12);
+    int served = 0, outside_flat = 0;
+    for (int i = 0; i < kRecords; ++i) {
+        const Camera camera = randomCamera(random, 0.3f, 2.0f);
+        GBuffer gbuffer;
+        gbuffer.width = gbuffer.height = 1000;
+        gbuffer.view = cameraView(camera, gbuffer.width, gbuffer.height, 1e-4f);
+        const WeightParams weight{.accuracy = random.uniform(0.1f, 1.5f),
+                                  .normal_weight = random.uniform(1.0f, 6.0f),
+                                  .slab = random.uniform(0.0f, 0.2f)};
+        Record k{};
+        k.position =
+            gbuffer.view.origin + random.uniform(1.0f, 4.0f) * glm::normalize(gbuffer.view.forward);
+        k.normal = random.direction();
+        k.radius = random.uniform(0.05f, 0.5f) / weight.accuracy;
+        const float reach = weight.accuracy * k.radius;
+        const PixelRect rect = servedBounds(gbuffer, k, weight);
+        const PixelRect flat = slabBounds(gbuffer.view, gbuffer.width, gbuffer.height, k.position,
+                                          reach, k.normal, weight.slab * reach);
+        const mat3 image_from_world =
+            glm::inverse(mat3(gbuffer.view.right, gbuffer.view.up, gbuffer.view.forward));
+        const auto holds = [](const PixelRect& r, const vec2& pixel) {
+            return pixel.x > static_cast<float>(r.x0) && pixel.x < static_cast<float>(r.x1) &&
+                   pixel.y > static_cast<float>(r.y0) && pixel.y < static_cast<float>(r.y1);
+        };
+        for (int j = 0; j < kPoints; ++j) {
+            const vec3 p = k.position + reach * random.uniform(0.0f, 1.0f) * random.direction();
+            const vec3 n =
+                glm::normalize(k.normal + random.uniform(0.0f, 0.6f) * random.direction());
+            if (shared::recordWeight(weight, k.position, k.normal, k.radius, p, n, 1e-4f) <= 0.0f) {
+                continue;
+            }
+            const vec3 q = image_from_world * (p - gbuffer.view.origin);
+            const vec2 pixel = (0.5f * vec2(q) / q.z + 0.5f) * 1000.0f;
+            if (q.z <= 0.0f || std::min(pixel.x, pixel.y) < 0.0f ||
+                std::max(pixel.x, pixel.y) >= 1000.0f) {
+                continue;
+            }
+            ++served;
+            EXPECT_TRUE(holds(rect, pixel)) << pixel.x << " " << pixel.y << " of " << i;
+            outside_flat += holds(flat, pixel) ? 0 : 1;
+        }
+    }
+    EXPECT_GT(served, 10 * kRecords);
+    EXPECT_GT(outside_flat, 0);  // on tilted surfaces the slab alone would not do
+}
+
 TEST(SphereBounds, TheWholeImageAroundTheEyeAndNothingBehindIt) {
     Random random(10);
     for (int i = 0; i < 200; ++i) {

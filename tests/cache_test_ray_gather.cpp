@@ -347,6 +347,20 @@ TEST(RayGatherer, TheFirstRecordsLookTwice) {
                 3.0 * std::hypot(deviations[0], deviations[1]) / std::sqrt(kRecords));
 }
 
+TEST(RayGatherer, LightTooFaintToCompareIsKept) {
+    // Radiance whose sum over the hemisphere has no finite inverse.
+    Scene scene;
+    constexpr float kFaint = 1e-37f;
+    addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(0.5f), vec3(kFaint))),
+           true);
+    const RayCaster rays(scene);
+    const RecordSite site = siteAt(vec3(0.1f, -1, 0.2f), vec3(0, 1, 0));
+    const std::vector<GatheredRecord> g =
+        RayGatherer(rays, LightCells(rays), kHemicube).gather({&site, 1});
+    EXPECT_NEAR(g[0].record.irradiance.y, kPi * kFaint, 1e-2f * kPi * kFaint);
+    EXPECT_TRUE(g[0].contrasts.empty());
+}
+
 TEST(RayGatherer, ContrastsAnywhereDoNoHarm) {
     // Behind the record, at it, at the horizon, far away, on edges of the hemicube's faces.
     const Scene scene = roomWithLamp(1, 1);

@@ -64,10 +64,14 @@ TEST_P(Trees, FindAllThatReach) {
         tree.insert(spheres[count].position, spheres[count].radius);
     }
     EXPECT_LE(wanted, visited);
+    if (bounds.size() > 0.0f) {
+        EXPECT_GT(wanted, 0u);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Bounds, Trees,
                          testing::Values(Bounds{vec3(-1), vec3(1)}, Bounds{vec3(5e3f), vec3(9e3f)},
+                                         Bounds{vec3(1e6f), vec3(1e6f + 8.0f)},
                                          Bounds{vec3(0, 1, 0), vec3(4, 1, 1e-4f)},
                                          Bounds{vec3(2), vec3(2)}));
 

@@ -228,6 +228,11 @@ const Breakage kBreakages[] = {
          j["nodes"][0]["translation"] = {0, 2e18, 0};
      },
      "from the origin"},
+    {"MeshBeyondSquaresOfFloats",
+     [](Json& j) {
+         j["nodes"][0]["scale"] = {1e19, 1e-9, 1e-9};
+     },
+     "from the origin"},
     {"MeshesTooFarApart",
      [](Json& j) {
          j["nodes"][0]["translation"] = {0, 0, 9e17};

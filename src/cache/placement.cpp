@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "cache/record_tree.h"
 #include "core/error.h"
@@ -439,7 +440,7 @@ float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
 
 PixelRect slabBounds(const View& view, int width, int height, const vec3& center, float radius,
                      const vec3& normal, float half_height) {
-    // Double precision: for a sphere that almost reaches the eye's plane the tangents are small
+    // Double precision: where the sphere almost reaches the eye's plane the tangents are small
     // differences of large numbers.
     const glm::dvec3 d = glm::dvec3(center) - glm::dvec3(view.origin);
     const double r = radius;
@@ -501,10 +502,10 @@ PixelRect slabBounds(const View& view, int width, int height, const vec3& center
     return rect;
 }
 
-// recordWeight() is above 0 where |d| / R + sqrt(k_n t) < a and |d.(n + n_k)| / 2 <= c a R, with
-// t = 1 - n.n_k = |n - n_k|^2 / 2. Of d.n_k = d.(n + n_k) / 2 - d.(n - n_k) / 2 the second part is
-// at most |d| sqrt(t / 2) < |d| (a - |d| / R) / sqrt(2 k_n), which is greatest in the middle of the
-// reach.
+// recordWeight() is above 0 only where |d| / R + sqrt(k_n t) < a and |d.(n + n_k)| / 2 <= c a R,
+// with t = 1 - n.n_k = |n - n_k|^2 / 2. Of d.n_k = d.(n + n_k) / 2 - d.(n - n_k) / 2 the second
+// part is at most |d| sqrt(t / 2) < |d| (a - |d| / R) / sqrt(2 k_n), which is greatest in the
+// middle of the reach.
 PixelRect servedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight) {
     const float reach = weight.accuracy * record.radius;
     const float tilted = weight.accuracy * reach / (4.0f * std::sqrt(2.0f * weight.normal_weight));

@@ -76,12 +76,12 @@ struct PixelRect {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 /// Bounds in the image, conservatively, what of a sphere lies within half_height of the plane
-/// through its centre; the whole image when the sphere comes near the camera; empty when it lies
-/// behind.
+/// through its centre with that unit normal; the whole image when the sphere comes near the camera;
+/// empty when it lies behind.
 PixelRect slabBounds(const View& view, int width, int height, const vec3& center, float radius,
                      const vec3& normal, float half_height);
 
-/// The same for the region that a record serves.
+/// The same for the region a record serves: nowhere else is its recordWeight() above 0.
 PixelRect servedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight);
 
 /// Whether a record of `record_order` serves pixels of `pixel_order`: its own class or a lower one.

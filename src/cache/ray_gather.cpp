@@ -24,7 +24,7 @@ constexpr float kMostRays = 64.0f;
 // twice as many find no more.
 constexpr size_t kMostContrasts = 128;
 // Steps of the R2 sequence, whose points fill a square evenly, however many there are [Rob18].
-const vec2 kSpread(0.7548777f, 0.5698403f);
+constexpr vec2 kSpread(0.7548777f, 0.5698403f);
 // From so many rays on, a texel's standard deviation is theirs; below, that from its neighbours.
 constexpr int kEnoughRays = 4;
 
@@ -97,14 +97,18 @@ std::vector<float> relativeLight(std::span<const vec4> texels, std::span<const f
         light[t] = (texels[t].x + texels[t].y + texels[t].z) * weights[t];
         sum += light[t];
     }
-    const float scale = sum > 0.0f ? static_cast<float>(texels.size()) / sum : 0.0f;
+    const float scale = static_cast<float>(texels.size()) / sum;
+    if (!std::isfinite(scale)) {
+        return std::vector<float>(texels.size());  // dark, or nearly
+    }
     for (float& l : light) {
         l *= scale;
     }
     return light;
 }
 
-// By how much light changes across each texel, judged by its neighbours and never by its own ray:
+// By how much light changes across each texel, judged by its neighbours and, but for its share of
+// the average, never by its own ray:
 // were it looked at closer because its ray met something bright, but not because it missed it,
 // light would be lost.
 std::vector<float> contrastsOfNeighbours(const Hemisphere& h, std::span<const float> light) {
@@ -148,7 +152,7 @@ void heedContrasts(const Hemisphere& h, std::span<const WorldFace> faces, const 
 }
 
 int raysMore(float contrast) {
-    return contrast < kLeastContrast ? 0 : static_cast<int>(std::min(contrast, kMostRays));
+    return contrast >= kLeastContrast ? static_cast<int>(std::min(contrast, kMostRays)) : 0;
 }
 
 // Contrasts found by all rays of a record: `more` went through some texels and saw `more_seen`.
@@ -174,7 +178,7 @@ std::vector<Contrast> findContrasts(const Hemisphere& h, std::span<const vec4> t
             sum_of_squares += l * l;
         }
         const auto count = static_cast<float>(end - first);
-        if (count >= kEnoughRays && sum > 0.0f) {
+        if (count >= kEnoughRays && sum > 0.0f) {  // what rays missed, the first may have met
             const float deviation = std::sqrt(std::max(sum_of_squares * count - sum * sum, 0.0f));
             strengths[t] = 2.0f * light[t] * deviation / sum;
         }
@@ -192,6 +196,7 @@ std::vector<Contrast> findContrasts(const Hemisphere& h, std::span<const vec4> t
             [](const Contrast& a, const Contrast& b) { return a.strength > b.strength; });
         contrasts.erase(last, contrasts.end());
     }
+    contrasts.shrink_to_fit();  // records keep them for the whole placement
     return contrasts;
 }
 

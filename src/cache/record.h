@@ -32,7 +32,7 @@ struct RecordSite {
     vec3 toward_viewer{};     ///< unit, to whoever sees the site; zero where no one does
     int order = shared::DIFFUSE_ORDER;
     std::vector<Contrast> contrasts = {};  ///< what records nearby found: where to look closer
-    bool first = false;                    ///< one of the first, which have no records nearby
+    bool first = false;                    ///< of the first grid: few have records nearby
 };
 
 /// SH coefficients of one record, world space: radiance, and its change along the record's tangent

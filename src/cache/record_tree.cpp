@@ -10,7 +10,7 @@ constexpr int kDeepest = 20;  // more than kLeafPoints may lie in one place
 
 }  // namespace
 
-// The diagonal is longer than any side, so that rounding keeps points within their nodes.
+// The diagonal is longer than any side, so that rounding keeps points within the root.
 RecordTree::RecordTree(const Bounds& bounds)
     : bounds_{.center = bounds.center(), .half = 0.5f * bounds.size()}, nodes_(1) {}
 

@@ -1,6 +1,7 @@
 // Where records lie, for finding those that are near enough to a new one to matter.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -43,8 +44,13 @@ class RecordTree {
                                             (i & 4) != 0 ? 1 : -1),
                     quarter};
         }
+        // Centres are rounded at each level: by so much may a point lie outside its cube.
+        float slack() const {
+            const vec3 c = glm::abs(center) + half;
+            return 4e-6f * std::max({c.x, c.y, c.z});
+        }
         float distance2(const vec3& p) const {
-            const vec3 d = glm::max(glm::abs(p - center) - half, vec3(0.0f));
+            const vec3 d = glm::max(glm::abs(p - center) - half - slack(), vec3(0.0f));
             return glm::dot(d, d);
         }
     };

@@ -8,7 +8,7 @@
 namespace sheen::gl {
 
 WorkerPool::WorkerPool(int workers, int shading_threads) {
-    SHEEN_CHECK(workers > 0);
+    SHEEN_CHECK(workers > 0 && shading_threads > 0);
     const Backend backend = backendFromEnvironment();
     if (backend == Backend::kEgl) {
         workers = 1;

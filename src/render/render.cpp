@@ -162,7 +162,7 @@ Placement placeWith(G gatherer, const Scene& scene, const Stage& stage,
 }
 
 // A gather's noise falls with its rays, and the other errors with the accuracy: both together.
-// Rays look closer where light changes; a raster cannot.
+// Rays look closer where light changes; a raster cannot (docs/decisions.md).
 int gatherSize(const RenderParams& params, float accuracy) {
     const float texels_at_one = params.gather_road == GatherRoad::kRays ? 12.5f : 24.0f;
     return params.gather.size > 0

@@ -66,7 +66,8 @@ void appendCamera(File& file, const tinygltf::Node& node, const glm::dmat4& worl
     }
     const std::string camera_where = fmt::format("camera {}", node.camera);
     const double y_fov = source.perspective.yfov;
-    if (!(static_cast<float>(y_fov) > 0.0f) || !(static_cast<float>(y_fov) < kPi)) {
+    const bool in_range = y_fov > 0.0 && y_fov < 4.0;  // that a float holds
+    if (!in_range || !(static_cast<float>(y_fov) > 0.0f) || !(static_cast<float>(y_fov) < kPi)) {
         file.fail(camera_where, "yfov must lie between 0 and pi radians, but is {}", y_fov);
     }
     // Only where it stands and looks: a camera's node may be scaled or mirrored.
@@ -225,7 +226,16 @@ void walkNodes(File& file, Scene& scene) {
 
 void checkExtent(const File& file, const Scene& scene) {
     const Bounds& b = scene.bounds;
-    const double size = b.empty() ? 0.0 : glm::length(glm::dvec3(b.upper) - glm::dvec3(b.lower));
+    if (b.empty()) {
+        return;
+    }
+    const double farthest =
+        std::max(glm::length(glm::dvec3(b.lower)), glm::length(glm::dvec3(b.upper)));
+    if (farthest > kLargestExtent) {
+        file.fail("meshes", "reach {} m from the origin, more than {}; move or scale them",
+                  farthest, kLargestExtent);
+    }
+    const double size = glm::length(glm::dvec3(b.upper) - glm::dvec3(b.lower));
     if (size > kLargestExtent) {
         file.fail("meshes", "together they extend over {} m, more than {}; scale or mend them",
                   size, kLargestExtent);

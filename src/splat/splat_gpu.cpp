@@ -32,7 +32,8 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         normals.pixels[i].w = static_cast<float>(classes.orders.pixels[i]);
         any_glossy |= classes.orders.pixels[i] > shared::DIFFUSE_ORDER;
     }
-    std::vector<glm::ivec4> rects, glossy_rects;  // empty where a record serves no glossy pixel
+    std::vector<glm::ivec4> rects;
+    std::vector<glm::ivec4> glossy_rects;  // of records without harmonics an empty rectangle
     for (const Record& r : cache.records) {
         const PixelRect b = servedBounds(gbuffer, r, weight);
         rects.emplace_back(b.x0, b.y0, b.x1, b.y1);

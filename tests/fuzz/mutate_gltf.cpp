@@ -133,7 +133,8 @@ class TreeMutator {
     // A value that fits where `node` is, as often as not.
     Json similarValue(const Json& node) {
         if (node.is_number_integer() && below(2) == 0) {
-            return node.get<int64_t>() + static_cast<int64_t>(below(9)) - 4;
+            // Around the ends too, where signed numbers may not overflow.
+            return static_cast<int64_t>(node.get<uint64_t>() + below(9) - 4);
         }
         if (node.is_number() && below(4) > 0) {
             return number();
