@@ -2,7 +2,6 @@
 #include "chart/chart.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -11,6 +10,7 @@
 
 #include "chart/child.h"
 #include "chart/point_file.h"
+#include "test_folder.h"
 
 namespace sheen {
 namespace {
@@ -220,8 +220,6 @@ TEST(Child, errorsKeepTheirCode) {
 class SweepTest : public testing::Test {
   protected:
     void SetUp() override {
-        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::temp_directory_path() / fmt::format("sheen_{}_{}", info->name(), getpid());
         params_.scenes = {SHEEN_SCENES "/cornell_diffuse.glb"};
         params_.folder = (folder_ / "chart").string();
         params_.program = SHEEN_PROGRAM;
@@ -231,7 +229,6 @@ class SweepTest : public testing::Test {
         params_.repeats = 1;
         params_.methods = {{"reference", "p", {"--spp"}, {{{"16"}, 1}, {{"32"}, 2}, {{"48"}, 3}}}};
     }
-    void TearDown() override { fs::remove_all(folder_); }
 
     // Names of the images that a chart renders anew.
     std::set<std::string> rendered(Chart* chart = nullptr) {
@@ -259,7 +256,8 @@ class SweepTest : public testing::Test {
         return names;
     }
 
-    fs::path folder_;
+    TestFolder own_;
+    fs::path folder_ = own_.path();
     ChartParams params_;
 };
 

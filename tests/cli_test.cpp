@@ -1,7 +1,6 @@
 // The program from outside: exit codes, one line for every error, files whole or absent.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -11,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "image/exr.h"
+#include "test_folder.h"
 
 namespace sheen {
 namespace {
@@ -58,15 +58,11 @@ std::string textOf(const fs::path& path) {
 class CliTest : public testing::Test {
   protected:
     void SetUp() override {
-        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-        base_ = fs::temp_directory_path() / fmt::format("sheen_{}_{}", info->name(), getpid());
-        folder_ = base_ / "work";
         fs::create_directories(folder_);
         std::ofstream(file("scene.gltf")) << kScene;
         std::ofstream(file("scene.bin"), std::ios::binary)
             .write(reinterpret_cast<const char*>(kVertices), sizeof(kVertices));
     }
-    void TearDown() override { fs::remove_all(base_); }
 
     std::string file(const std::string& name) const { return (folder_ / name).string(); }
 
@@ -74,12 +70,12 @@ class CliTest : public testing::Test {
     Outcome call(const std::string& arguments) const {
         const std::string command =
             fmt::format("cd '{}' && >'{}/out' 2>'{}/err' </dev/null '{}' {}", folder_.string(),
-                        base_.string(), base_.string(), SHEEN_PROGRAM, arguments);
+                        base_.path().string(), base_.path().string(), SHEEN_PROGRAM, arguments);
         const int status = std::system(command.c_str());
         Outcome run;
         run.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-        run.out = textOf(base_ / "out");
-        run.err = textOf(base_ / "err");
+        run.out = textOf(base_.path() / "out");
+        run.err = textOf(base_.path() / "err");
         return run;
     }
 
@@ -104,8 +100,8 @@ class CliTest : public testing::Test {
         return names;
     }
 
-    fs::path base_;
-    fs::path folder_;
+    TestFolder base_;
+    fs::path folder_ = base_.path() / "work";
 };
 
 // Small enough to take milliseconds.

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 #include <png.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <csignal>
@@ -20,6 +19,7 @@
 #include "image/atomic_file.h"
 #include "image/exr.h"
 #include "image/png.h"
+#include "test_folder.h"
 
 namespace sheen {
 namespace {
@@ -31,20 +31,14 @@ constexpr float kHalfRelative = 1.0f / 2048.0f;
 
 class FolderTest : public testing::Test {
   protected:
-    void SetUp() override {
-        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::temp_directory_path() / fmt::format("sheen_{}_{}", info->name(), getpid());
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     std::string file(const std::string& name) const { return (folder_ / name).string(); }
     int fileCount() const {
         return static_cast<int>(
             std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
     }
 
-    fs::path folder_;
+    TestFolder own_;
+    fs::path folder_ = own_.path();
 };
 
 class ExrTest : public FolderTest {};

@@ -106,7 +106,6 @@ class Placer {
     const GatherFunction& gather_;
     Image<uint32_t> sums_;
     std::vector<Placed> placed_;
-    std::vector<vec4> spheres_;  // of each placed record position and radius
     RecordTree tree_;
     Placement result_;
 };
@@ -120,7 +119,7 @@ Placer::Nearest Placer::nearestTo(const vec3& p) const {
         return distance2 <= distances.back();
     };
     tree_.visit(p, may_be_nearer, [&](size_t j) {
-        const vec3 d = vec3(spheres_[j]) - p;
+        const vec3 d = placed_[j].gathered.record.position - p;
         std::pair candidate(glm::dot(d, d), j);
         for (size_t k = 0; k < kNearest; ++k) {
             if (candidate < std::pair(distances[k], nearest[k])) {
@@ -152,7 +151,7 @@ RecordSite Placer::siteAt(const Choice& choice) const {
 // since neighbours on a surface have similar ones, within the bounds that clampedRadius() keeps.
 float Placer::predictedRadius(const Choice& choice) const {
     const size_t nearest = choice.nearest[0];
-    return std::clamp(nearest == kNone ? kInfinity : spheres_[nearest].w,
+    return std::clamp(nearest == kNone ? kInfinity : placed_[nearest].gathered.record.radius,
                       leastRadius(footprint(choice.pixel)),
                       greatestRadius(footprint(choice.pixel)));
 }
@@ -202,11 +201,9 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
         placed_.push_back({std::move(gathered[i]), pixel, footprint(pixel)});
         Record& record = placed_.back().gathered.record;
         record.radius = clampedRadius(placed_.back());
-        spheres_.emplace_back(record.position, record.radius);
         placed_.back().outgoing = predictedOutgoing(placed_.back().gathered, pixel);
         heedNeighbours(placed_.size() - 1);
         clampNeighbours(placed_.size() - 1);
-        spheres_.back().w = record.radius;
         tree_.insert(record.position, record.radius);
         splat(record, true);
     }
@@ -263,7 +260,6 @@ void Placer::limitRadius(size_t placed, float radius) {
     if (limit < record.radius) {
         splat(record, false);
         record.radius = limit;
-        spheres_[placed].w = limit;
         splat(record, true);
     }
 }
@@ -290,14 +286,14 @@ void Placer::heedNeighbours(size_t added) {
         [&](size_t j) { near.push_back(j); });
     std::sort(near.begin(), near.end());  // each shrinks the new record for those after it
     for (size_t j : near) {
-        const vec3 d = record.position - vec3(spheres_[j]);
-        const float reach = params_.accuracy * (record.radius + spheres_[j].w);
+        const Placed& other = placed_[j];
+        const Record& neighbour = other.gathered.record;
+        const vec3 d = record.position - neighbour.position;
+        const float reach = params_.accuracy * (record.radius + neighbour.radius);
         if (glm::dot(d, d) > reach * reach) {
             continue;
         }
         const float distance = glm::length(d);
-        const Placed& other = placed_[j];
-        const Record& neighbour = other.gathered.record;
         if (neighbour.order != record.order || distance == 0.0f ||
             glm::dot(record.normal, neighbour.normal) < kSameSurfaceCosine ||
             0.5f * std::abs(glm::dot(d, record.normal + neighbour.normal)) > weight_.slab * reach) {
@@ -328,14 +324,14 @@ void Placer::clampNeighbours(size_t added) {
         return;
     }
     Record& fresh = placed_[added].gathered.record;
-    const auto distance = [&](const vec4& sphere) {
-        return glm::length(fresh.position - vec3(sphere));
+    const auto distance = [&](size_t j) {
+        return glm::length(fresh.position - placed_[j].gathered.record.position);
     };
     tree_.visit(
         fresh.position,
         [&](float distance2, float) { return distance2 < fresh.radius * fresh.radius; },
         [&](size_t j) {
-            fresh.radius = std::min(fresh.radius, spheres_[j].w + distance(spheres_[j]));
+            fresh.radius = std::min(fresh.radius, placed_[j].gathered.record.radius + distance(j));
         });
     fresh.radius = std::max(fresh.radius, leastRadius(placed_[added].footprint));
     tree_.visit(
@@ -344,7 +340,7 @@ void Placer::clampNeighbours(size_t added) {
             const float beyond = greatest - fresh.radius;
             return beyond > 0.0f && distance2 < beyond * beyond;
         },
-        [&](size_t j) { limitRadius(j, fresh.radius + distance(spheres_[j])); });
+        [&](size_t j) { limitRadius(j, fresh.radius + distance(j)); });
 }
 
 void Placer::splat(const Record& record, bool add) {

@@ -108,9 +108,8 @@ std::vector<float> relativeLight(std::span<const vec4> texels, std::span<const f
 }
 
 // By how much light changes across each texel, judged by its neighbours and, but for its share of
-// the average, never by its own ray:
-// were it looked at closer because its ray met something bright, but not because it missed it,
-// light would be lost.
+// the average, never by its own ray: were it looked at closer because its ray met something bright,
+// but not because it missed it, light would be lost.
 std::vector<float> contrastsOfNeighbours(const Hemisphere& h, std::span<const float> light) {
     std::vector<float> least(light.size(), kInfinity);
     std::vector<float> most(light.size(), 0.0f);

@@ -1,15 +1,13 @@
 // What the fuzz targets share: the input as a file, and the promises that every error keeps.
 #pragma once
 
-#include <unistd.h>
-
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "core/error.h"
+#include "test_folder.h"
 
 namespace sheen::fuzz {
 
@@ -33,34 +31,29 @@ inline void requireOneLine(const std::string& text) {
 /// A file in a folder of this process that holds one input after the other.
 class InputFile {
   public:
-    explicit InputFile(const std::string& name) {
-        std::string folder =
-            (std::filesystem::temp_directory_path() / "sheen-fuzz-XXXXXX").string();
-        require(mkdtemp(folder.data()) != nullptr, "a temporary folder can be made", folder);
-        folder_ = folder;
-        path_ = (folder_ / name).string();
-    }
-    ~InputFile() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
-    InputFile(const InputFile&) = delete;
-    InputFile& operator=(const InputFile&) = delete;
+    explicit InputFile(const std::string& name) : path_((folder_.path() / name).string()) {}
 
     const std::string& write(const uint8_t* data, size_t size) const {
         std::filesystem::remove(path_);  // some file systems wait for the disk when overwriting
-        std::ofstream(path_, std::ios::binary)
-            .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+        fill(path_, reinterpret_cast<const char*>(data), size);
         return path_;
     }
 
     /// Another file, which an input may name.
     void addNeighbour(const std::string& name, const std::string& bytes) const {
-        std::ofstream(folder_ / name, std::ios::binary) << bytes;
+        fill(folder_.path() / name, bytes.data(), bytes.size());
     }
 
   private:
-    std::filesystem::path folder_;
+    // A full disk must not let targets read cut files and call that a test.
+    static void fill(const std::filesystem::path& path, const char* data, size_t size) {
+        std::ofstream file(path, std::ios::binary);
+        file.write(data, static_cast<std::streamsize>(size));
+        file.close();
+        require(file.good(), "an input can be written", path.string());
+    }
+
+    TestFolder folder_;
     std::string path_;
 };
 
