@@ -70,6 +70,42 @@ std::vector<vec3> linearTexels(const tinygltf::Image& image) {
     return texels;
 }
 
+// Whether each Huffman table of a JPEG has at most the 256 symbols there are: stb_image writes
+// beyond its own tables otherwise. Walks from marker to marker as stb_image does.
+bool hasSaneHuffmanTables(const ByteSpan& jpeg) {
+    constexpr uint8_t kHuffman = 0xC4;
+    constexpr size_t kLengths = 16;
+    constexpr int kSymbols = 256;
+    const auto at = [&](size_t i) { return i < jpeg.size ? jpeg.data[i] : uint8_t{0}; };
+    for (size_t p = 2; p < jpeg.size;) {
+        if (at(p) != 0xFF) {
+            ++p;  // padding, or what a scan has coded
+            continue;
+        }
+        while (at(p) == 0xFF) {
+            ++p;
+        }
+        const uint8_t marker = at(p++);
+        if (marker == 0x00 || (marker >= 0xD0 && marker <= 0xD9)) {
+            continue;  // a coded 0xFF, or a marker without a segment
+        }
+        const size_t length = size_t{at(p)} << 8 | at(p + 1);
+        const size_t end = p + length;
+        for (size_t table = p + 2; marker == kHuffman && table < end;) {
+            int symbols = 0;
+            for (size_t i = 1; i <= kLengths; ++i) {
+                symbols += at(table + i);
+            }
+            if (symbols > kSymbols) {
+                return false;
+            }
+            table += 1 + kLengths + static_cast<size_t>(symbols);
+        }
+        p = std::max(end, p + 2);
+    }
+    return true;
+}
+
 // Checks what an image's header says before memory is taken for it. stb_image reads more formats
 // than glTF has, less carefully.
 void checkImage(const File& file, const ByteSpan& bytes, const std::string& where) {
@@ -79,7 +115,7 @@ void checkImage(const File& file, const ByteSpan& bytes, const std::string& wher
     };
     const bool is_png = begins("\x89PNG");
     int width = 0, height = 0, components = 0;
-    if ((!is_png && !begins("\xFF\xD8")) ||
+    if ((!is_png && !(begins("\xFF\xD8") && hasSaneHuffmanTables(bytes))) ||
         stbi_info_from_memory(bytes.data, static_cast<int>(bytes.size), &width, &height,
                               &components) == 0) {
         file.fail(where, "it cannot be decoded; use an intact PNG or JPEG");
