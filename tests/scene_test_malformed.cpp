@@ -312,6 +312,25 @@ TEST(SceneLoaderBroken, ImageThatPromisesMoreTexelsThanItCanHold) {
     expectInputError(withImage(png).write(), "10000 x 10000 texels it promises");
 }
 
+// After a comment that looks like a table, a table of 17 symbols and one of 16 times 17.
+TEST(SceneLoaderBroken, JpegWithAHuffmanTableTooLong) {
+    std::vector<uint8_t> jpeg = {0xff, 0xd8, 0xff, 0xfe, 0, 6, 0xff, 0xc4, 0xff, 0xff};
+    const auto addTable = [&](uint8_t codes, int lengths) {
+        const int symbols = codes * lengths;
+        const int length = 2 + 1 + 16 + symbols;
+        jpeg.insert(jpeg.end(), {0xff, 0xc4, static_cast<uint8_t>(length >> 8),
+                                 static_cast<uint8_t>(length & 0xff), 0});
+        for (int i = 0; i < 16; ++i) {
+            jpeg.push_back(i < lengths ? codes : uint8_t{0});
+        }
+        jpeg.insert(jpeg.end(), static_cast<size_t>(symbols), 1);
+    };
+    addTable(17, 1);
+    expectInputError(withImage(jpeg).write(), "cannot be decoded");
+    addTable(17, 16);
+    expectInputError(withImage(jpeg).write(), "more than 256 symbols");
+}
+
 TEST(SceneLoaderBroken, NamesBecomeOneLine) {
     GltfFile file = sound();
     file.json["cameras"][0]["name"] = "left\n\teye\x1b";

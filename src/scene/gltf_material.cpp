@@ -114,8 +114,11 @@ void checkImage(const File& file, const ByteSpan& bytes, const std::string& wher
                std::memcmp(bytes.data, magic.data(), magic.size()) == 0;
     };
     const bool is_png = begins("\x89PNG");
+    if (!is_png && begins("\xFF\xD8") && !hasSaneHuffmanTables(bytes)) {
+        file.fail(where, "a Huffman table of it has more than 256 symbols; use an intact JPEG");
+    }
     int width = 0, height = 0, components = 0;
-    if ((!is_png && !(begins("\xFF\xD8") && hasSaneHuffmanTables(bytes))) ||
+    if ((!is_png && !begins("\xFF\xD8")) ||
         stbi_info_from_memory(bytes.data, static_cast<int>(bytes.size), &width, &height,
                               &components) == 0) {
         file.fail(where, "it cannot be decoded; use an intact PNG or JPEG");
