@@ -36,7 +36,7 @@ class GradientRows {
     }
 
     // Along both axes, [count]; and irradiance's.
-    void gradient(const std::vector<vec4>& texels, float* const c[2], float* const e[2]) const {
+    void gradient(const SeenTexels& texels, float* const c[2], float* const e[2]) const {
         // In the local frame: its normal is z and its tangents are x and y.
         const RecordSite site{.normal = vec3(0, 0, 1), .order = kShGradientOrder};
         const ShLayout layout = shLayout(kShGradientOrder);
@@ -77,7 +77,7 @@ struct LayoutTools {
         }
     }
 
-    Gradient gradient(const std::vector<vec4>& texels) const {
+    Gradient gradient(const SeenTexels& texels) const {
         Gradient g;
         float* const e[] = {&g[0].irradiance, &g[1].irradiance};
         for (size_t n = 0; n < rows.size(); ++n) {
@@ -117,9 +117,9 @@ struct Tools {
         }
     }
 
-    Light light(const std::vector<vec4>& texels) const {
-        std::vector<float> greys(texels.size());
-        std::transform(texels.begin(), texels.end(), greys.begin(),
+    Light light(const SeenTexels& texels) const {
+        std::vector<float> greys(texels.light.size());
+        std::transform(texels.light.begin(), texels.light.end(), greys.begin(),
                        [](const vec4& t) { return grey(t); });
         Light l;
         l.irradiance = dotProduct(fine.cosines.data(), greys.data(), greys.size());
@@ -151,8 +151,8 @@ class SiteJudge {
             return {};
         }
         Judgement j;
-        const std::vector<vec4> here = trace(tools_.fine, vec2(0.0f), 2, true, 0);
-        const float R = distances(here, j.kind);
+        const SeenTexels here = trace(tools_.fine, vec2(0.0f), 2, true, 0);
+        const float R = distances(here.light, j.kind);
         const Light light = tools_.light(here);
         if (!(R < kInfinity) || light.irradiance <= 0.0f) {
             return {};
@@ -166,8 +166,11 @@ class SiteJudge {
         j.truth = differences(R, scale, j.half_difference);
         for (size_t i = 0; i < kLayoutCount; ++i) {
             const LayoutTools& layout = tools_.layouts[i];
-            j.program[i] =
-                layout.gradient(trace(*layout.hemisphere, vec2(0.0f), 1, kLayouts[i].random, 1));
+            SeenTexels texels = trace(*layout.hemisphere, vec2(0.0f), 1, kLayouts[i].random, 1);
+            if (!kLayouts[i].planes) {
+                texels.planes.clear();
+            }
+            j.program[i] = layout.gradient(texels);
             for (Light& along : j.program[i]) {
                 along = mix(R * scale, along, 0.0f, along);
             }
@@ -201,8 +204,8 @@ class SiteJudge {
         return sum;
     }
 
-    std::vector<vec4> trace(const Hemisphere& h, const vec2& move, int side, bool random,
-                            uint32_t salt) const {
+    SeenTexels trace(const Hemisphere& h, const vec2& move, int side, bool random,
+                     uint32_t salt) const {
         const vec3 eye = scene_.eye(site_) + frame_[0] * move.x + frame_[1] * move.y;
         return traceTexels(scene_.rays, h, frame_, eye,
                            {.side = side,

@@ -42,17 +42,20 @@ struct Layout {
     std::string name;
     HemisphereParams params;
     bool random;
+    bool planes;  ///< whether walls lie where the planes seen say; else at the nearer texel
 };
 const Layout kLayouts[] = {
-    {"border, h = 3, 32", {HemisphereKind::kBorder, 32, 3.0f}, false},
-    {"border, h = 3, 64", {HemisphereKind::kBorder, 64, 3.0f}, false},
-    {"hemicube 32, middles", {HemisphereKind::kHemicube, 32, 1.0f}, false},
-    {"hemicube 64, middles", {HemisphereKind::kHemicube, 64, 1.0f}, false},
-    {"hemicube 32, random", {HemisphereKind::kHemicube, 32, 1.0f}, true},
-    {"hemicube 64, random", {HemisphereKind::kHemicube, 64, 1.0f}, true},
+    {"border, h = 3, 32", {HemisphereKind::kBorder, 32, 3.0f}, false, false},
+    {"border, h = 3, 64", {HemisphereKind::kBorder, 64, 3.0f}, false, false},
+    {"hemicube 32, middles", {HemisphereKind::kHemicube, 32, 1.0f}, false, false},
+    {"hemicube 64, middles", {HemisphereKind::kHemicube, 64, 1.0f}, false, false},
+    {"hemicube 20, random", {HemisphereKind::kHemicube, 20, 1.0f}, true, false},
+    {"hemicube 64, random", {HemisphereKind::kHemicube, 64, 1.0f}, true, false},
+    {"hemicube 20, random, planes", {HemisphereKind::kHemicube, 20, 1.0f}, true, true},
+    {"hemicube 64, random, planes", {HemisphereKind::kHemicube, 64, 1.0f}, true, true},
 };
 constexpr size_t kLayoutCount = std::size(kLayouts);
-constexpr size_t kProgramLayout = 4;
+constexpr size_t kProgramLayout = 6;
 
 // Grey irradiance and coefficients in the local frame, or their change along one axis.
 struct Light {

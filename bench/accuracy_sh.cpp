@@ -63,7 +63,7 @@ class SiteImages {
     std::vector<vec4> trace(const vec3& eye, TexelRays how) const {
         how.side = kRaysPerSide;
         how.random = true;
-        return traceTexels(scene_.rays, sphere_.upper(), frame_, eye, how);
+        return traceTexels(scene_.rays, sphere_.upper(), frame_, eye, how).light;
     }
 
     const Sphere& sphere_;

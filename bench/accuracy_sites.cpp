@@ -92,13 +92,17 @@ std::string percent(double share) {
                                 : fmt::format("{:.0f}%", p);
 }
 
-std::vector<vec4> traceTexels(const RayCaster& rays, const Hemisphere& hemisphere,
-                              const mat3& frame, const vec3& eye, const TexelRays& how) {
-    std::vector<vec4> texels(static_cast<size_t>(hemisphere.texelCount()));
+SeenTexels traceTexels(const RayCaster& rays, const Hemisphere& hemisphere, const mat3& frame,
+                       const vec3& eye, const TexelRays& how) {
+    SeenTexels result;
+    std::vector<vec4>& texels = result.light;
+    texels.resize(static_cast<size_t>(hemisphere.texelCount()));
+    result.planes.resize(texels.size());
     std::vector<float> inverse(texels.size());
     std::vector<vec3> directions;
     std::vector<size_t> of;
     std::vector<vec4> seen;
+    std::vector<vec3> planes;
     const int parts = how.side * how.side;
     const mat3 turn = how.mirrored ? mat3(frame[0], frame[1], -frame[2]) : frame;
     for (const HemisphereFace& face : hemisphere.faces) {
@@ -127,8 +131,11 @@ std::vector<vec4> traceTexels(const RayCaster& rays, const Hemisphere& hemispher
                 }
             }
             seen.resize(directions.size());
-            rays.cast({.origin = eye, .directions = directions}, seen.data());
-            for (size_t i = 0; i < of.size(); ++i) {
+            planes.resize(directions.size());
+            rays.cast({.origin = eye, .directions = directions}, seen.data(), nullptr,
+                      planes.data());
+            for (size_t i = of.size(); i-- > 0;) {  // of a texel's planes the first stays
+                result.planes[of[i]] = planes[i] * turn;
                 texels[of[i]] += vec4(vec3(seen[i]), 0.0f) / static_cast<float>(parts);
                 inverse[of[i]] += seen[i].w > 0.0f ? 1.0f / seen[i].w : 0.0f;
             }
@@ -137,7 +144,7 @@ std::vector<vec4> traceTexels(const RayCaster& rays, const Hemisphere& hemispher
     for (size_t t = 0; t < texels.size(); ++t) {
         texels[t].w = inverse[t] > 0.0f ? static_cast<float>(parts) / inverse[t] : 0.0f;
     }
-    return texels;
+    return result;
 }
 
 float metalLobe(float alpha, const vec3& n, const vec3& wo, const vec3& wi) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cache/gather.h"
 #include "cache/record.h"
 #include "hemisphere/hemisphere.h"
 #include "rays/ray_caster.h"
@@ -63,10 +64,10 @@ struct TexelRays {
     vec3 above{0.0f};       ///< world space: directions below the plane of this normal are black
     float lowest = -1.0f;   ///< directions below this height, in the local frame, are black
 };
-/// Radiance (RGB) and harmonic mean distance (w; 0: nothing seen) of a hemisphere's texels, turned
-/// to world space by `frame`.
-std::vector<vec4> traceTexels(const RayCaster& rays, const Hemisphere& hemisphere,
-                              const mat3& frame, const vec3& eye, const TexelRays& how);
+/// What a hemisphere's texels see, turned to world space by `frame`: mean radiance, harmonic mean
+/// distance, the plane that the first ray meets.
+SeenTexels traceTexels(const RayCaster& rays, const Hemisphere& hemisphere, const mat3& frame,
+                       const vec3& eye, const TexelRays& how);
 
 /// Mean of the channels: what the studies judge.
 inline float grey(const vec3& c) { return (c.x + c.y + c.z) / 3.0f; }

@@ -96,7 +96,7 @@ void project(benchmark::State& state, Setup& setup, int order) {
     const GatherScene& s = setup.gatherScene(kCornell);
     const Hemisphere hemisphere = makeHemisphere({.size = kRaySize});
     std::vector<RecordSite> sites(s.scene.sites.begin(), s.scene.sites.begin() + kBatch);
-    std::vector<std::vector<vec4>> texels;
+    std::vector<SeenTexels> texels;
     for (RecordSite& site : sites) {
         site.order = order;
         texels.push_back(traceTexels(s.scene.rays, hemisphere, tangentFrame(site.normal),

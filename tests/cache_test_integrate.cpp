@@ -57,7 +57,7 @@ GatheredRecord integrate(const Hemisphere& h, const RecordSite& site, const Look
                          int samples = 1) {
     ProjectionMatrices projections;
     projections.prepare(h, {&site, 1});
-    return integrateHemisphere(h, render(h, tangentFrame(site.normal), look, samples),
+    return integrateHemisphere(h, {.light = render(h, tangentFrame(site.normal), look, samples)},
                                projections.of(site.order), site);
 }
 
@@ -267,6 +267,62 @@ TEST(Curvature, AgainstTheClosedForm) {
                     << "rectangle at " << ceiling.rectangle_height << " eye " << eye.x;
             }
         }
+    }
+}
+
+// The foot of a wall: an eye on the wall x = 0 sees, from a height, the floor y = 0, whose light is
+// 1 + kSlope x as far as the wall x = 1, which is dark. No ceiling; no end along z.
+struct Foot {
+    static constexpr float kSlope = 4.0f;
+    float height;
+
+    bool seesFloor(const vec3& d) const { return d.y < -height * d.x; }
+    vec4 look(const vec3& d) const {
+        if (seesFloor(d)) {
+            const float distance = -height / d.y;
+            return vec4(vec3(1.0f + kSlope * distance * d.x), distance);
+        }
+        return vec4(vec3(0.0f), d.x > 0.0f ? 1.0f / d.x : 0.0f);
+    }
+    vec3 plane(const vec3& d) const {
+        return seesFloor(d) ? vec3(0, -1.0f / height, 0) : vec3(d.x > 0.0f ? 1.0f : 0.0f, 0, 0);
+    }
+    // The strip as far as x has the form factor (1 - h / sqrt(x^2 + h^2)) / 2; its change, times
+    // light, summed, and the derivative of that by h.
+    float gradient() const {
+        const double h = height;
+        const double s = 1.0 / std::sqrt(1.0 + h * h);
+        const double even = -s + h * h * s * s * s;
+        const double sloping = std::asinh(1.0 / h) - 2.0 * s + h * h * s * s * s;
+        return static_cast<float>(0.5 * kPi * (even + kSlope * sloping));
+    }
+};
+
+TEST(TranslationGradient, IsBoundedAtTheFootOfAWall) {
+    // As many texels as the program has. Near the floor ever more of it lies in one texel, and of a
+    // gradient that grows like the logarithm of the height a part is found. By the nearer distance
+    // of two texels it would be -61 at 0.001, -8900 at 1e-5.
+    constexpr float kFootError = 0.15f;
+    constexpr float kLeastPart = 0.35f;
+    const Hemisphere h = makeHemisphere({.kind = HemisphereKind::kHemicube, .size = 20});
+    const RecordSite site = siteWith(vec3(1, 0, 0), 0);
+    const mat3 frame = tangentFrame(site.normal);
+    for (float height : {0.3f, 0.1f, 0.03f, 0.01f, 1e-3f, 1e-5f}) {
+        const Foot foot{height};
+        SeenTexels seen{.light = render(
+                            h, frame, [&](const vec3& d) { return foot.look(d); }, 6)};
+        for (const vec3& d : h.directions) {
+            seen.planes.push_back(foot.plane(frame * d) * frame);
+        }
+        const vec3 found = integrateHemisphere(h, seen, {}, site).record.translation_g;
+        const float expected = foot.gradient();
+        if (height >= 0.1f) {
+            EXPECT_NEAR(found.y, expected, kFootError * std::abs(expected)) << height;
+        } else {
+            EXPECT_GT(found.y, kLeastPart * expected) << height;
+            EXPECT_LT(found.y, expected) << height;
+        }
+        EXPECT_NEAR(found.z, 0.0f, 1e-3f) << height;
     }
 }
 

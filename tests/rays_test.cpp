@@ -47,6 +47,29 @@ Scene floorOf(const MaterialParams& material) {
 const vec3 kEye(0.3f, 2.0f, 1.0f);
 const vec3 kTargets[] = {{0, 0, 0}, {1, 0, -2}, {-3, 0, 1}, {2.5f, 0, 3}, {0.3f, 0, 1}};
 
+// Planes say how far the surface met is, along any direction that meets the same triangle.
+TEST(Rays, PlanesOfWhatIsMet) {
+    const Scene scene = floorOf({});
+    const RayCaster rays(scene);
+    std::vector<vec3> directions;
+    for (const vec3& target : kTargets) {
+        directions.push_back(glm::normalize(target - kEye));
+    }
+    directions.push_back(kUp);  // meets nothing
+    std::vector<vec4> seen(directions.size());
+    std::vector<vec3> planes(directions.size(), vec3(std::numeric_limits<float>::quiet_NaN()));
+    rays.cast({.origin = kEye, .directions = directions}, seen.data(), nullptr, planes.data());
+    for (const vec3& plane : planes) {
+        if (&plane == &planes.back()) {
+            EXPECT_EQ(plane, vec3(0.0f));
+            continue;
+        }
+        for (size_t i = 0; i + 1 < directions.size(); ++i) {
+            EXPECT_NEAR(1.0f / glm::dot(plane, directions[i]), seen[i].w, kRounding * seen[i].w);
+        }
+    }
+}
+
 // Rays from kEye to kTargets on the floor see Lambert's law under the scene's first light.
 void expectLambert(const Scene& scene) {
     const RayCaster rays(scene);

@@ -27,10 +27,18 @@ struct ShProjection {
     std::span<const float> gradient;
 };
 
-/// Radiance and distance of a record's texels: RGB and w (0: nothing seen). Turns them into a
-/// record: irradiance, gradients, harmonic mean distance and, for order > 0, spherical harmonics
-/// through `projection`, which fits that order.
-GatheredRecord integrateHemisphere(const Hemisphere& hemisphere, std::span<const vec4> texels,
+/// What the texels of a record's hemisphere see.
+struct SeenTexels {
+    std::vector<vec4> light;  ///< radiance; w: distance, 0: nothing seen
+    /// The planes of the surfaces seen, in the record's frame, whose z is its normal: along a unit
+    /// direction d a plane lies at distance 1 / dot(plane, d). Zero where nothing is seen; empty
+    /// where planes are not known.
+    std::vector<vec3> planes = {};
+};
+
+/// Turns what a record sees into the record: irradiance, gradients, harmonic mean distance and, for
+/// order > 0, spherical harmonics through `projection`, which fits that order.
+GatheredRecord integrateHemisphere(const Hemisphere& hemisphere, const SeenTexels& texels,
                                    const ShProjection& projection, const RecordSite& site);
 
 /// The matrices integrateHemisphere() projects with, each made when it is first asked for.

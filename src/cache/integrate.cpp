@@ -10,8 +10,45 @@
 namespace sheen {
 namespace {
 
+// One over the distance of what the wall between two texels lies on: so fast the wall moves when
+// the record does. [WH92] takes the nearer texel's, which is right where one surface hides another.
+// Often none does. A record at the foot of a wall sees the floor in one texel from an inch away, in
+// the next from the far end of the room, and what light changes from the one to the other changes
+// on the way, far from the record: by the nearer distance its gradient would have no bound.
+// - Both texels see one plane: light that changes evenly along it does so at the mean of 1 / r on
+//   the way from r_a to r_b, ln(r_b / r_a) / (r_b - r_a).
+// - Each sees a plane that is behind the other's where the other is seen: the two meet in an inner
+//   corner, and the wall is that corner.
+float wallParallax(const Hemisphere& h, const HemisphereWall& wall, std::span<const vec3> planes,
+                   std::span<const float> inverse_distance) {
+    constexpr float kSamePlane = 0.02f;  // inverse distances agree so well, relative
+    const float nearer = std::max(inverse_distance[wall.a], inverse_distance[wall.b]);
+    if (planes.empty()) {
+        return nearer;
+    }
+    const auto plane = [&](uint32_t of, uint32_t along) {
+        return glm::dot(planes[of], h.directions[along]);
+    };
+    const float a = plane(wall.a, wall.a);
+    const float b = plane(wall.b, wall.b);
+    const float a_along_b = plane(wall.a, wall.b);
+    const float before_b = a - plane(wall.b, wall.a);
+    const float before_a = b - a_along_b;
+    float parallax = nearer;
+    if (std::abs(before_b) + std::abs(before_a) <= kSamePlane * (a + b)) {
+        const float ratio = a / b;
+        const bool alike =
+            std::abs(ratio - 1.0f) < 0.1f;  // the geometric mean is as good, and 0 / 0 far
+        parallax = alike ? std::sqrt(a * b) : a * std::log(ratio) / (ratio - 1.0f);
+    } else if (before_b > 0.0f && before_a > 0.0f) {
+        parallax = glm::mix(a, a_along_b, before_b / (before_b + before_a));
+    }
+    // A plane may have its horizon within a texel; nothing then says more than the distances.
+    return parallax >= 0.0f && parallax <= nearer ? parallax : nearer;
+}
+
 // Translation gradients: when the record moves, solid angle passes between neighbouring texels
-// across their common wall, at the rate of the nearer one's parallax. The exchanged radiance is
+// across their common wall, at the rate of its parallax. The exchanged radiance is
 // added half to each texel, as the change of its radiance times solid angle:
 // [axis][channel][texel]. `cosine_gradient`: the same with the cosine, summed: the irradiance's
 // gradient. [WH92] `cosine_hessian`: the irradiance's second derivatives xx, xy, yy, the texels'
@@ -22,8 +59,9 @@ struct TranslationGradient {
     std::vector<float> exchanged[2][3];
 };
 
-TranslationGradient translationGradient(const Hemisphere& h, std::span<const vec4> texels,
+TranslationGradient translationGradient(const Hemisphere& h, const SeenTexels& seen,
                                         std::span<const float> inverse_distance, bool per_texel) {
+    const std::vector<vec4>& texels = seen.light;
     TranslationGradient g;
     if (per_texel) {
         for (auto& axis : g.exchanged) {
@@ -32,17 +70,19 @@ TranslationGradient translationGradient(const Hemisphere& h, std::span<const vec
             }
         }
     }
+    std::vector<float> parallaxes;
+    parallaxes.reserve(h.walls.size());
     std::vector<float> corner_q(static_cast<size_t>(h.corners));
     for (const HemisphereWall& wall : h.walls) {
-        const float nearer = std::max(inverse_distance[wall.a], inverse_distance[wall.b]);
+        parallaxes.push_back(wallParallax(h, wall, seen.planes, inverse_distance));
         for (uint32_t corner : wall.corners) {
-            corner_q[corner] = std::max(corner_q[corner], nearer);
+            corner_q[corner] = std::max(corner_q[corner], parallaxes.back());
         }
     }
-    for (const HemisphereWall& wall : h.walls) {
+    for (size_t i = 0; i < h.walls.size(); ++i) {
+        const HemisphereWall& wall = h.walls[i];
         const vec3 step = vec3(texels[wall.a]) - vec3(texels[wall.b]);
-        const float rate = std::max(inverse_distance[wall.a], inverse_distance[wall.b]);
-        const vec3 change = -rate * step;
+        const vec3 change = -parallaxes[i] * step;
         g.cosine_gradient[0] += change * wall.cosine_motion.x;
         g.cosine_gradient[1] += change * wall.cosine_motion.y;
         const float q0 = corner_q[wall.corners[0]];
@@ -123,9 +163,11 @@ void ProjectionMatrices::prepare(const Hemisphere& hemisphere, std::span<const R
     }
 }
 
-GatheredRecord integrateHemisphere(const Hemisphere& h, std::span<const vec4> texels,
+GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
                                    const ShProjection& projection, const RecordSite& site) {
+    const std::vector<vec4>& texels = seen.light;
     SHEEN_CHECK_EQ(texels.size(), static_cast<size_t>(h.texelCount()));
+    SHEEN_CHECK(seen.planes.empty() || seen.planes.size() == texels.size());
     const mat3 frame = tangentFrame(site.normal);
     const size_t count = texels.size();
     std::vector<float> inverse_distance(count);
@@ -146,7 +188,7 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, std::span<const vec4> te
         nearest = std::max(nearest, inverse_distance[t]);
     }
     const bool glossy = site.order > shared::DIFFUSE_ORDER;
-    const TranslationGradient gradient = translationGradient(h, texels, inverse_distance, glossy);
+    const TranslationGradient gradient = translationGradient(h, seen, inverse_distance, glossy);
 
     GatheredRecord result;
     Record& r = result.record;

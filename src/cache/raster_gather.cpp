@@ -25,7 +25,7 @@ struct RasterGatherer::Worker {
     gl::Buffer views;
     ClusterDrawer drawer;
     std::vector<vec4> pixels;  // as read back: [y][record][x]
-    std::vector<vec4> texels;  // of one record
+    SeenTexels seen;           // by one record
     GatherSeconds seconds;
 };
 
@@ -67,7 +67,7 @@ RasterGatherer::RasterGatherer(gl::WorkerPool& pool, const Scene& scene, const G
         worker->views = makeBuffer(std::span<const View>());
         worker->drawer = ClusterDrawer(gpu, "raster/visibility.frag");
         worker->pixels.resize(static_cast<size_t>(width) * height);
-        worker->texels.resize(static_cast<size_t>(hemisphere_.texelCount()));
+        worker->seen.light.resize(static_cast<size_t>(hemisphere_.texelCount()));
         workers_[static_cast<size_t>(index)] = std::move(worker);
     });
 }
@@ -178,10 +178,11 @@ void RasterGatherer::integrate(Worker& w, std::span<const RecordSite> batch,
         for (int y = 0; y < hemisphere_.height; ++y) {
             std::copy_n(&w.pixels[static_cast<size_t>(y) * width +
                                   i * static_cast<size_t>(hemisphere_.width)],
-                        hemisphere_.width, &w.texels[static_cast<size_t>(y * hemisphere_.width)]);
+                        hemisphere_.width,
+                        &w.seen.light[static_cast<size_t>(y * hemisphere_.width)]);
         }
         results[i] =
-            integrateHemisphere(hemisphere_, w.texels, projections_.of(batch[i].order), batch[i]);
+            integrateHemisphere(hemisphere_, w.seen, projections_.of(batch[i].order), batch[i]);
     }
 }
 

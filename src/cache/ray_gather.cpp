@@ -76,10 +76,11 @@ struct TexelRays {
             of.push_back(texel);
         }
     }
-    std::vector<vec4> cast(const RayCaster& rays, const vec3& eye, const LightCells& cells) const {
+    std::vector<vec4> cast(const RayCaster& rays, const vec3& eye, const LightCells& cells,
+                           vec3* planes = nullptr) const {
         std::vector<vec4> seen(directions.size());
         rays.cast({.origin = eye, .directions = directions, .solid_angles = solid_angles},
-                  seen.data(), &cells);
+                  seen.data(), &cells, planes);
         return seen;
     }
 };
@@ -250,8 +251,9 @@ RayGatherer::Seen RayGatherer::see(const RecordSite& site, uint32_t index,
         faces.emplace_back(face, frame);
     }
     Seen result;
-    std::vector<vec4>& texels = result.texels;
+    std::vector<vec4>& texels = result.texels.light;
     texels.resize(static_cast<size_t>(h.texelCount()));
+    result.texels.planes.resize(texels.size());
 
     // One ray a texel.
     TexelRays first{.n_g = site.geometric_normal};
@@ -270,9 +272,11 @@ RayGatherer::Seen RayGatherer::see(const RecordSite& site, uint32_t index,
             }
         }
     }
-    const std::vector<vec4> first_seen = first.cast(rays_, eye, cells_);
+    std::vector<vec3> planes(first.of.size());
+    const std::vector<vec4> first_seen = first.cast(rays_, eye, cells_, planes.data());
     for (size_t i = 0; i < first.of.size(); ++i) {
         texels[first.of[i]] = first_seen[i];
+        result.texels.planes[first.of[i]] = planes[i] * frame;  // into the record's frame
     }
 
     // More where light changes, spread evenly over the texel from a random place on [Rob18].

@@ -29,7 +29,7 @@ class RayGatherer {
 
   private:
     struct Seen {
-        std::vector<vec4> texels;  // radiance, distance
+        SeenTexels texels;
         std::vector<Contrast> contrasts;
         int64_t rays = 0;
     };

@@ -116,7 +116,7 @@ struct RayCaster::Hit {
     uint32_t trace() const { return cell != nullptr ? cell->trace : ~0u; }
 };
 
-void RayCaster::cast(const Rays& rays, vec4* seen, const LightCells* cells) const {
+void RayCaster::cast(const Rays& rays, vec4* seen, const LightCells* cells, vec3* planes) const {
     // Few hits of a packet lack light; those of many packets fill packets of shadow rays. By then
     // the cells, which lie anywhere in memory, have arrived in the processor's cache.
     constexpr size_t kTogether = 32 * kPacket;
@@ -125,7 +125,8 @@ void RayCaster::cast(const Rays& rays, vec4* seen, const LightCells* cells) cons
         const size_t end = std::min(first + kTogether, rays.directions.size());
         size_t count = 0;
         for (size_t packet = first; packet < end; packet += kPacket) {
-            count += meet(rays, packet, std::min(packet + kPacket, end), cells, seen, hits + count);
+            count += meet(rays, packet, std::min(packet + kPacket, end), cells, seen, planes,
+                          hits + count);
         }
         for (size_t i = 0; i < count; ++i) {
             const Hit& hit = hits[i];
@@ -173,7 +174,7 @@ uint32_t RayCaster::reached(const PunctualLight& light, std::span<const Receiver
 }
 
 size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCells* cells,
-                       vec4* seen, Hit* hits) const {
+                       vec4* seen, vec3* planes, Hit* hits) const {
     RTCIntersectContext context = coherentContext();
     Mask cast;
     alignas(32) RTCRayHit8 met;
@@ -191,6 +192,9 @@ size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCe
         const auto k = static_cast<int>(i - first);
         if (met.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
             seen[i] = vec4(0.0f);
+            if (planes != nullptr) {
+                planes[i] = vec3(0.0f);
+            }
             continue;
         }
         Hit& hit = hits[count++];
@@ -200,8 +204,11 @@ size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCe
                .v = met.hit.v[k],
                .distance = met.ray.tfar[k],
                .cell = nullptr};
+        const vec3 n_g(met.hit.Ng_x[k], met.hit.Ng_y[k], met.hit.Ng_z[k]);
+        if (planes != nullptr) {
+            planes[i] = n_g / (glm::dot(n_g, rays.directions[i]) * hit.distance);
+        }
         if (cells != nullptr) {
-            const vec3 n_g(met.hit.Ng_x[k], met.hit.Ng_y[k], met.hit.Ng_z[k]);
             hit.cell =
                 cells->find(hit.triangle, hit.u, hit.v, glm::dot(n_g, rays.directions[i]) > 0.0f,
                             rays.solidAngle(i) * hit.distance * hit.distance);

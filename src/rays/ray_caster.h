@@ -39,8 +39,10 @@ class RayCaster {
     /// For each ray: the radiance that arrives, light scattered once and emission, and in w the
     /// distance it comes from; all zero where nothing is met. As many `seen` as rays. `cells`,
     /// where given, are taken for the light on pieces of surface smaller than what a ray stands
-    /// for.
-    void cast(const Rays& rays, vec4* seen, const LightCells* cells = nullptr) const;
+    /// for. `planes`, where given, get those of the triangles met: along a unit direction d from
+    /// the origin, a plane lies at distance 1 / dot(plane, d).
+    void cast(const Rays& rays, vec4* seen, const LightCells* cells = nullptr,
+              vec3* planes = nullptr) const;
 
     /// A point of a surface that may be lit; for the vectors see origin().
     struct Receiver {
@@ -68,7 +70,7 @@ class RayCaster {
     void build();
     struct Hit;
     size_t meet(const Rays& rays, size_t first, size_t end, const LightCells* cells, vec4* seen,
-                Hit* hits) const;
+                vec3* planes, Hit* hits) const;
     void light(const Rays& rays, std::span<const Hit> hits, vec4* seen) const;
 
     const Scene& scene_;
