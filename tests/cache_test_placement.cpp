@@ -94,23 +94,24 @@ TEST(Placement, CurvatureEndsTheReach) {
     params.min_pixels = 1.0f;
     params.max_pixels = 1e3f;
     size_t fewer = 0;
-    for (float curvature : {0.0f, 0.5f, 4.0f, 32.0f}) {
+    for (float curvature : {0.0f, 0.05f, 0.5f, 4.0f}) {
         const Placement placement = place(stage, params, [=](const RecordSite&, GatheredRecord& g) {
             g.record.radius = 0.8f;
             g.curvature = curvature;
         });
         expectCovered(stage, params, placement);
         for (const Record& r : placement.cache.records) {
-            // Error at the end of the reach, d^2 c / 2 E, times the reach in pixels.
+            // Error at the end of the reach, d^2 c / 2 E, times the reach in heights of the image.
             const float reach = params.accuracy * r.radius;
             const float error = 0.5f * curvature * reach * reach / luminance(r.irradiance);
             const float tolerated = params.curvature * params.accuracy;
             if (reach < 0.799f) {
-                EXPECT_NEAR(error * reach / footprintOf(stage, r), tolerated, 1e-3f * tolerated);
+                EXPECT_NEAR(error * reach / (kHeight * footprintOf(stage, r)), tolerated,
+                            1e-3f * tolerated);
             } else {
                 // Never beyond the harmonic mean distance.
                 EXPECT_NEAR(reach, 0.8f, 1e-5f);
-                EXPECT_LE(error * reach / footprintOf(stage, r), 1.001f * tolerated);
+                EXPECT_LE(error * reach / (kHeight * footprintOf(stage, r)), 1.001f * tolerated);
             }
         }
         EXPECT_GE(placement.cache.records.size(), fewer);

@@ -90,7 +90,7 @@ class Placer {
     void place(const std::vector<Choice>& choices, bool first);
     float clampedRadius(const Placed& placed) const;
     float splitSphereRadius(const GatheredRecord& g) const;
-    float hessianRadius(const GatheredRecord& g, float pixel_footprint) const;
+    float hessianRadius(const GatheredRecord& g, float image_height) const;
     float predictedOutgoing(const GatheredRecord& g, int pixel) const;
     void heedNeighbours(size_t added);
     void limitRadius(size_t placed, float radius);
@@ -217,7 +217,8 @@ float Placer::clampedRadius(const Placed& placed) const {
             radius = splitSphereRadius(placed.gathered);
             break;
         case ErrorControl::kHessian:
-            radius = hessianRadius(placed.gathered, placed.footprint);
+            radius = hessianRadius(placed.gathered,
+                                   placed.footprint * static_cast<float>(gbuffer_.height));
             break;
     }
     return std::clamp(radius, leastRadius(placed.footprint), greatestRadius(placed.footprint));
@@ -232,19 +233,18 @@ float Placer::splitSphereRadius(const GatheredRecord& g) const {
 
 // With gradients, extrapolation over d errs by c d^2 / 2, where c is the second derivative,
 // relative to the irradiance [SJJ12]. What is to be made small for a given number of records is the
-// sum of squared errors over the pixels, c^2 d^4 / 4, against 1 / d^2 records a pixel: at the
-// least, c d^3 is the same everywhere, d and c counted in pixels. [SJJ12] makes each record's total
-// the same, c d^4; pointwise c d^2 would be (docs/decisions.md compares them).
+// sum of squared errors over the image, c^2 d^4 / 4, against 1 / d^2 records an area: at the
+// least, c d^3 is the same everywhere, in heights of the image: of how many pixels it is made does
+// not change how wrong it is. [SJJ12] makes each record's total the same, c d^4; pointwise c d^2
+// would be (docs/decisions.md compares them).
 // It is not believed farther than the harmonic mean distance of what the record sees, over which
 // all of that changes: what the record missed, or saw from a wrong place, has no curvature.
-float Placer::hessianRadius(const GatheredRecord& g, float pixel_footprint) const {
+float Placer::hessianRadius(const GatheredRecord& g, float image_height) const {
     float reach = g.record.radius;
-    const float curvature = g.curvature * pixel_footprint * pixel_footprint;
-    if (curvature > 0.0f) {
+    if (g.curvature > 0.0f) {
+        const float relative = g.curvature / luminance(g.record.irradiance);
         const float tolerated = 2.0f * params_.curvature * params_.accuracy;
-        reach =
-            std::min(reach, pixel_footprint *
-                                std::cbrt(tolerated * luminance(g.record.irradiance) / curvature));
+        reach = std::min(reach, std::cbrt(tolerated * image_height / relative));
     }
     return reach / params_.accuracy;
 }

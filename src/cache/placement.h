@@ -18,13 +18,13 @@ namespace sheen {
 enum class ErrorControl { kSplitSphere, kHessian };
 
 struct PlacementParams {
-    float accuracy = 0.4f;  ///< Ward's a
+    float accuracy = 0.5f;  ///< Ward's a
     ErrorControl control = ErrorControl::kHessian;
-    float curvature = 0.4f;      ///< kHessian, times `accuracy`: relative error at the end of a
-                                 ///< record's reach times that reach in pixels
+    float curvature = 8e-4f;     ///< kHessian, times `accuracy`: relative error at the end of a
+                                 ///< record's reach times that reach in heights of the image
     float normal_weight = 4.0f;  ///< k_n of the weight function
     float slab = 0.1f;           ///< c of the weight function
-    float min_pixels = 1.5f;     ///< least reach a R, in footprints of the record's pixel; at
+    float min_pixels = 1.25f;    ///< least reach a R, in footprints of the record's pixel; at
                                  ///< least 1, so that it serves its own pixel
     float max_pixels = 30.0f;    ///< greatest reach
     bool neighbour_clamping = true;
