@@ -10,6 +10,7 @@
 #include "cache/ray_gather.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "render/render.h"
 #include "sh/projection.h"
 #include "stages_setup.h"
 
@@ -17,8 +18,8 @@ namespace sheen::bench {
 namespace {
 
 constexpr size_t kBatch = 64;  // records gathered at once, as PlacementParams::batch
-constexpr int kRaySize = 20;   // at the default accuracy
-constexpr int kRasterSize = 38;
+const int kRaySize = gatherSize(GatherRoad::kRays, PlacementParams{}.accuracy);
+const int kRasterSize = gatherSize(GatherRoad::kRaster, PlacementParams{}.accuracy);
 constexpr int kYardstickRings = 18;  // 1,026 rays
 
 // One record a site by the baseline's gather; returns how many rays it cast, shadow rays included.

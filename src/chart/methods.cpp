@@ -7,9 +7,9 @@
 namespace sheen {
 
 const std::vector<SweepMethod>& sweepMethods() {
-    // 0.4 is the program's default.
-    static const std::vector<SweepSetting> kAccuracies = {{"2", 0.9},   {"1", 1.3},  {"0.6", 2.2},
-                                                          {"0.4", 3.5}, {"0.25", 8}, {"0.15", 20}};
+    // 0.5 is the program's default.
+    static const std::vector<SweepSetting> kAccuracies = {{"2", 0.9}, {"1", 1.3},  {"0.5", 2.5},
+                                                          {"0.3", 5}, {"0.2", 10}, {"0.12", 25}};
     static const std::vector<SweepSetting> kPaths = {{"16", 1.5}, {"64", 4}, {"256", 25}};
     static const std::vector<SweepMethod> kMethods = {
         {"radiance", "radiance cache", "--accuracy", kAccuracies},
@@ -17,7 +17,7 @@ const std::vector<SweepMethod>& sweepMethods() {
         {"octree",
          "octree (Ward)",
          "--accuracy",
-         {{"1.5", 0.7}, {"0.8", 1}, {"0.4", 3}, {"0.25", 8}}},
+         {{"1.5", 0.7}, {"0.8", 1}, {"0.5", 2}, {"0.25", 8}}},
         {"reference", "path tracer", "--spp", kPaths},
         {"denoised", "path tracer, denoised", "--spp", kPaths},
     };

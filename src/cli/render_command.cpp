@@ -131,9 +131,11 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
     limited(
         app.add_option(
                "--gather-size", p.gather.size,
-               "radiance, irradiance: texels along a side of that plane (20 at "
-               "accuracy 0.4, rasterised 38); octree: rings of a record's rays; default: by the "
-               "accuracy")
+               fmt::format("radiance, irradiance: texels along a side of that plane ({} at the "
+                           "default accuracy, rasterised {}); octree: rings of a record's rays; "
+                           "default: by the accuracy",
+                           gatherSize(GatherRoad::kRays, p.placement.accuracy),
+                           gatherSize(GatherRoad::kRaster, p.placement.accuracy)))
             ->check(numberIn(8, 512)),
         any_cache)
         ->default_str("");

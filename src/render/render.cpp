@@ -161,15 +161,6 @@ Placement placeWith(G gatherer, const Scene& scene, const Stage& stage,
     return placement;
 }
 
-// A gather's noise falls with its rays, and the other errors with the accuracy: both together.
-// Rays look closer where light changes; a raster cannot (docs/decisions.md).
-int gatherSize(const RenderParams& params, float accuracy) {
-    const float texels_at_one = params.gather_road == GatherRoad::kRays ? 12.5f : 24.0f;
-    return params.gather.size > 0
-               ? params.gather.size
-               : static_cast<int>(std::lround(texels_at_one / std::sqrt(accuracy)));
-}
-
 // placement, which gathers and projects -> splat -> compose.
 void renderPass(const Scene& scene, const RenderParams& params, float accuracy, Stage& stage,
                 RenderResult& result) {
@@ -178,7 +169,9 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
     PlacementParams how = params.placement;
     how.accuracy = accuracy;
     HemisphereParams hemisphere = params.gather;
-    hemisphere.size = gatherSize(params, accuracy);
+    if (hemisphere.size == 0) {
+        hemisphere.size = gatherSize(params.gather_road, accuracy);
+    }
 
     const Placement placement =
         stage.cells ? placeWith(RayGatherer(*stage.rays, *stage.cells, hemisphere), scene, stage,
@@ -259,6 +252,13 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
 }
 
 }  // namespace
+
+// A gather's noise falls with its rays, and the other errors with the accuracy: both together.
+// Rays look closer where light changes; a raster cannot (docs/decisions.md).
+int gatherSize(GatherRoad road, float accuracy) {
+    const float texels_at_one = road == GatherRoad::kRays ? 12.5f : 24.0f;
+    return static_cast<int>(std::lround(texels_at_one / std::sqrt(accuracy)));
+}
 
 RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
     switch (params.method) {

@@ -79,6 +79,9 @@ struct RenderResult {
     RenderStats stats;
 };
 
+/// Texels along a hemisphere's side where none are asked for.
+int gatherSize(GatherRoad road, float accuracy);
+
 /// Renders one frame. Usage error where the method does not support an option or the camera does
 /// not exist; environment error without an OpenGL 4.5 context.
 RenderResult renderFrame(const Scene& scene, const RenderParams& params);
