@@ -382,7 +382,7 @@ def main():
     parser.add_argument("what", nargs="?", choices=["all", "stages", "whole", "scaling"],
                         default="all")
     parser.add_argument("--page", action="store_true",
-                        help="also put the tables into docs/performance.md, and plots into docs/images")
+                        help="also put the tables into docs/performance.md, its plots beside it")
     parser.add_argument("--quick", action="store_true", help="each stage once, to see that it works")
     parser.add_argument("--only", default=".*", metavar="REGEX",
                         help="stages: benchmarks whose whole names match, such as 'splat/.*|triad'")
