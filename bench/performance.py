@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Measures stages (the program `stages`) and whole renders (the program `sheen`), and makes Markdown
-tables of it; bench/run builds both and calls this."""
+"""Measures stages (the program `stages`), whole renders (the program `sheen`) and how both grow,
+and makes Markdown tables and plots of it; bench/run builds both and calls this."""
 import argparse
+import csv
 import json
 import math
 import os
@@ -21,6 +22,14 @@ WHOLE = {"cornell_diffuse": "512x512", "cornell_glossy": "512x512", "venus_gloss
          "atrium": "1000x1000"}
 ENOUGH_SECONDS = 60  # of a scene's warm runs: long runs vary little
 STAGES = ["load", "gbuffer", "shadow", "placement", "gather", "project", "splat", "compose", "write"]
+QUICK, FULL = (0.001, 1), (0.3, 3)  # of a stage: seconds at least, repetitions
+# Growth: records by accuracy, of the same texels; the box cut into triangles; pixels by the side.
+GROWN = "cornell_glossy"
+ACCURACIES = [1.6, 0.8, 0.4, 0.2, 0.1, 0.05]
+BOXES = "cornell_.*"
+BOX_RECORDS = 6000  # about as many as a default render of the box takes
+SIDES = [128, 256, 512, 1024]
+PLOTS = ROOT / "docs" / "images"
 
 
 # Running.
@@ -30,10 +39,11 @@ def plain(name):
     return re.sub("/(iterations:[0-9]+|real_time|manual_time|repeats:[0-9]+)", "", name)
 
 
-def list_stages(program):
+def list_stages(program, wanted):
+    """Names, of the benchmarks whose plain names match."""
     listed = subprocess.run([program, SCENES, "--benchmark_list_tests"], check=True,
                             capture_output=True, text=True)
-    return listed.stdout.split()
+    return [name for name in listed.stdout.split() if re.fullmatch(wanted, plain(name))]
 
 
 def run_stages(program, threads, workers, names, min_time, repetitions, cache=None):
@@ -215,6 +225,70 @@ def whole_table(runs):
     return table(["scene", "size", "records", "warm", "cold", *STAGES, "other", "peak memory"], rows)
 
 
+# Growth: of each quantity, what takes time and its points (quantity, seconds).
+
+def power(points):
+    """Least squares in logarithms: the exponent, and the fitted power at each point."""
+    x, y = ([math.log(value) for value in column] for column in zip(*points))
+    line = statistics.linear_regression(x, y)
+    return line.slope, [math.exp(line.intercept + line.slope * value) for value in x]
+
+
+def render_growth(runs):
+    """`runs`: (quantity, warm run)."""
+    first, last = STAGES.index("placement"), STAGES.index("splat")
+    return {"placement to splat": [(x, sum(run.stats["seconds"][stage]
+                                           for stage in STAGES[first:last + 1]))
+                                   for x, run in runs],
+            "whole command": [(x, run.seconds) for x, run in runs]}
+
+
+def triangle_growth(rows_of):
+    """Of BOX_RECORDS records, alone and with what a scene needs before its first."""
+    gather, with_build = [], []
+    for name, row in rows_of.items():
+        if not name.startswith("rays/"):
+            continue
+        scene = name.split("/")[1]
+        seconds = BOX_RECORDS * row["record_ms"] / 1e3
+        gather.append((row["triangles"], seconds))
+        build = sum(rows_of[f"build/{part}/{scene}"]["real_time"]
+                    for part in ("embree", "cells", "upload"))
+        with_build.append((row["triangles"], seconds + build / 1e3))
+    return {"gather": gather, "set-up and gather": with_build}
+
+
+def growth_table(growth):
+    rows = []
+    for quantity, series in growth.items():
+        for what, points in series.items():
+            exponent, fitted = power(points)
+            off = max(max(y / f, f / y) for (_, y), f in zip(points, fitted)) - 1
+            rows.append([quantity, what, count(points[0][0]), count(points[-1][0]),
+                         *(f"{points[i][1]:.2f} s" for i in (0, -1)),
+                         f"{exponent:.2f}", f"{100 * off:.0f}%"])
+    return table(["against", "time of", "from", "to", "at the first", "at the last",
+                  "exponent", "farthest"], rows)
+
+
+def plot_growth(growth, data, plots):
+    """Of each quantity `plots`/scaling_QUANTITY.svg, from a CSV file that stays in `data`."""
+    data.mkdir(parents=True, exist_ok=True)
+    for quantity, series in growth.items():
+        head, columns = [quantity], [[x for x, _ in next(iter(series.values()))]]
+        for what, points in series.items():
+            exponent, fitted = power(points)
+            head += [what, f"power {exponent:.2f}"]
+            columns += [[seconds for _, seconds in points], fitted]
+        curves = data / f"{quantity}.csv"
+        with curves.open("w", encoding="utf-8", newline="") as file:
+            csv.writer(file).writerows([head, *zip(*columns)])
+        subprocess.run(["gnuplot", "-e", f"curves='{curves}'; quantity='{quantity}'; "
+                        f"out='{plots / f'scaling_{quantity}.svg'}'",
+                        ROOT / "docs" / "accuracy" / "style.gp", ROOT / "bench" / "scaling.gp"],
+                       check=True)
+
+
 # The page.
 
 def fill(page, tables):
@@ -240,12 +314,11 @@ def measure_stages(program, wanted, quick):
     context a thread for what rasterises: each in a process of its own, since Mesa's rasteriser is
     set up once."""
     every_core = os.cpu_count()
-    min_time, repetitions, starts = (0.001, 1, 1) if quick else (0.3, 3, 5)
-    names = [name for name in list_stages(program) if re.fullmatch(wanted, plain(name))]
+    names = list_stages(program, wanted)
 
     def run(threads, workers, kinds):
         chosen = [name for name in names if name.split("/")[0] in kinds.split()]
-        return run_stages(program, threads, workers, chosen, min_time, repetitions)
+        return run_stages(program, threads, workers, chosen, *(QUICK if quick else FULL))
 
     one = run(1, 1, "rays raster project splat")
     every = run(every_core, 1,
@@ -253,9 +326,10 @@ def measure_stages(program, wanted, quick):
     workers = run(every_core, every_core, "raster")
     with tempfile.TemporaryDirectory() as folder:
         def start(cache):
-            names = [name for name in list_stages(program) if plain(name) == "startup"]
-            rows = run_stages(program, every_core, 1, names, 0, 1, f"{folder}/{cache}")
+            rows = run_stages(program, every_core, 1, list_stages(program, "startup"), 0, 1,
+                              f"{folder}/{cache}")
             return rows["startup"]["real_time"]
+        starts = 1 if quick else 5
         cold = [start(i) for i in range(starts)]
         warm = [start(0) for i in range(starts)]
     return {"rays": gather_table(one, every, "rays"),
@@ -276,14 +350,39 @@ def measure_whole(sheen, sizes, runs, options):
     return measured
 
 
+def measure_records(sheen, size, accuracies, runs):
+    """Warm runs by the number of records, whose texels stay those of the default accuracy."""
+    measured = []
+    for accuracy in accuracies:
+        print(f"performance: rendering {GROWN} at accuracy {accuracy}", file=sys.stderr)
+        _, warm = run_whole(sheen, GROWN, size, runs,
+                            [f"--accuracy={accuracy}", "--gather-size=20"])
+        measured.append((warm.stats["records"], warm))
+    return measured
+
+
+def measure_pixels(sheen, sides, runs):
+    """Warm runs by the number of pixels."""
+    return [(side ** 2, measure_whole(sheen, {GROWN: f"{side}x{side}"}, runs, ())[0][3])
+            for side in sides]
+
+
+def measure_triangles(program, boxes, quick):
+    """The rows that triangle_growth() needs, on all threads."""
+    names = list_stages(program, f"(rays/{boxes}/20|build/(embree|cells|upload)/{boxes})")
+    return run_stages(program, os.cpu_count(), 1, names, *(QUICK if quick else FULL))
+
+
 def main():
     parser = argparse.ArgumentParser(
-        prog="bench/run", description="Measures stages and whole renders; prints Markdown tables.")
+        prog="bench/run", description="Measures stages, whole renders and how their times grow; "
+                                      "prints Markdown tables.")
     parser.add_argument("stages_program", help=argparse.SUPPRESS)
     parser.add_argument("sheen_program", help=argparse.SUPPRESS)
-    parser.add_argument("what", nargs="?", choices=["all", "stages", "whole"], default="all")
+    parser.add_argument("what", nargs="?", choices=["all", "stages", "whole", "scaling"],
+                        default="all")
     parser.add_argument("--page", action="store_true",
-                        help="also put the tables into docs/performance.md")
+                        help="also put the tables into docs/performance.md, its plots beside it")
     parser.add_argument("--quick", action="store_true", help="each stage once, to see that it works")
     parser.add_argument("--only", default=".*", metavar="REGEX",
                         help="stages: benchmarks whose whole names match, such as 'splat/.*|triad'")
@@ -303,13 +402,24 @@ def main():
              for name, _, size in (s.partition("=") for s in arguments.scenes)} or WHOLE
     tables = {}
     renderer = ""
-    if arguments.what != "stages":
+    if arguments.what in ("all", "whole"):
         whole = measure_whole(arguments.sheen_program, sizes, arguments.runs, arguments.options)
         renderer = whole[0][3].stats["gl_renderer"]
         tables["whole"] = whole_table(whole)
-    if arguments.what != "whole":
+    if arguments.what in ("all", "stages"):
         tables.update(measure_stages(arguments.stages_program, arguments.only,
                                      arguments.quick))
+    if arguments.what in ("all", "scaling"):
+        sheen, runs = arguments.sheen_program, arguments.runs
+        by_records = measure_records(sheen, WHOLE[GROWN], ACCURACIES, runs)
+        by_pixels = measure_pixels(sheen, SIDES, runs)
+        by_triangles = measure_triangles(arguments.stages_program, BOXES, arguments.quick)
+        renderer = by_records[0][1].stats["gl_renderer"]
+        growth = {"records": render_growth(by_records), "triangles": triangle_growth(by_triangles),
+                  "pixels": render_growth(by_pixels)}
+        tables["scaling"] = growth_table(growth)
+        data = ROOT / "build" / "scaling"
+        plot_growth(growth, data, PLOTS if arguments.page else data)
     # The page says for all its tables once what they were measured on.
     tables["machine"] = machine(arguments.sheen_program, renderer)
     for name, lines in tables.items():

@@ -7,8 +7,8 @@ packages=(
     libopenexr-dev libpng-dev libtinygltf-dev libstb-dev libmeshoptimizer-dev libcli11-dev nlohmann-json3-dev
     libjs-chart.js libgtest-dev libbenchmark-dev
 )
-# What only ./check needs: the browser that opens the chart's report.
-test_packages=(chromium chromium-driver python3-selenium)
+# What only ./check needs: the browser that opens the chart's report, plots of the benchmarks.
+test_packages=(chromium chromium-driver python3-selenium gnuplot-nox)
 build="$root/build/release"
 log="$root/build/build.log"
 

@@ -1,10 +1,12 @@
 #!/usr/bin/python3
-"""bench_test.py STAGES SHEEN: runs a few small benchmarks of each kind, a tiny whole render, and
-everything that makes tables of them. What anything takes decides nothing."""
+"""bench_test.py STAGES SHEEN: runs a few small benchmarks of each kind, tiny whole renders, and
+everything that makes tables and plots of them. What anything takes decides nothing."""
 import pathlib
 import subprocess
 import sys
+import tempfile
 import unittest
+import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "bench"))
@@ -50,9 +52,47 @@ class Bench(unittest.TestCase):
         self.assertEqual(row[:2], ["cornell_diffuse", "24x16"])
         self.assertGreater(int(row[2].replace(",", "")), 0)
 
+    def test_power_of_points_on_a_line_is_its_slope(self):
+        points = [(x, 3 * x ** 0.7) for x in (10, 50, 1000)]
+        exponent, fitted = performance.power(points)
+        self.assertAlmostEqual(exponent, 0.7)
+        for (_, y), fit in zip(points, fitted):
+            self.assertAlmostEqual(fit / y, 1)
+
+    def test_power_goes_between_points_off_the_line(self):
+        exponent, fitted = performance.power([(1, 1), (10, 100), (100, 100)])
+        self.assertAlmostEqual(exponent, 1)
+        self.assertLess(fitted[1], 100)
+        self.assertGreater(fitted[2], 100)
+
+    def test_growth_of_small_renders_and_boxes(self):
+        records = performance.measure_records(self.sheen, "32x32", [1.6, 0.4], 1)
+        pixels = performance.measure_pixels(self.sheen, [16, 32], 1)
+        rows = performance.measure_triangles(self.stages, "cornell_[15]K", quick=True)
+        growth = {"records": performance.render_growth(records),
+                  "triangles": performance.triangle_growth(rows),
+                  "pixels": performance.render_growth(pixels)}
+        ends = [row[:1] + row[2:4] for row in cells(performance.growth_table(growth))]
+        self.assertEqual(ends[2:], 2 * [["triangles", "1,080", "5,070"]] +
+                         2 * [["pixels", "256", "1,024"]])
+        for series in growth.values():
+            part, whole = series.values()
+            self.assertLess(part[0][0], part[-1][0])
+            for (x, less), (same, more) in zip(part, whole):
+                self.assertEqual(x, same)
+                self.assertLess(less, more)
+        with tempfile.TemporaryDirectory() as folder:
+            performance.plot_growth(growth, pathlib.Path(folder), pathlib.Path(folder))
+            for quantity, series in growth.items():
+                plot = pathlib.Path(folder) / f"scaling_{quantity}.svg"
+                text = "".join(xml.etree.ElementTree.parse(plot).getroot().itertext())
+                for what, points in series.items():
+                    self.assertIn(what, text)
+                    self.assertIn(f"power {performance.power(points)[0]:.2f}", text)
+
     def test_page_has_a_place_for_every_table(self):
         page = performance.PAGE.read_text(encoding="utf-8")
-        tables = {name: [f"new {name}"] for name in [*self.tables, "whole", "machine"]}
+        tables = {name: [f"new {name}"] for name in [*self.tables, "whole", "scaling", "machine"]}
         filled = performance.fill(page, tables)
         for name in tables:
             self.assertIn(f"<!-- {name} -->\nnew {name}\n<!-- /{name} -->", filled)
