@@ -356,7 +356,7 @@ def measure_records(sheen, size, accuracies, runs):
     for accuracy in accuracies:
         print(f"performance: rendering {GROWN} at accuracy {accuracy}", file=sys.stderr)
         _, warm = run_whole(sheen, GROWN, size, runs,
-                            [f"--accuracy={accuracy}", "--gather-size=20"])
+                            [f"--accuracy={accuracy}", "--gather-size=18"])
         measured.append((warm.stats["records"], warm))
     return measured
 
@@ -369,7 +369,7 @@ def measure_pixels(sheen, sides, runs):
 
 def measure_triangles(program, boxes, quick):
     """The rows that triangle_growth() needs, on all threads."""
-    names = list_stages(program, f"(rays/{boxes}/20|build/(embree|cells|upload)/{boxes})")
+    names = list_stages(program, f"(rays/{boxes}/[0-9]+|build/(embree|cells|upload)/{boxes})")
     return run_stages(program, os.cpu_count(), 1, names, *(QUICK if quick else FULL))
 
 

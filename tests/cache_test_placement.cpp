@@ -196,23 +196,28 @@ TEST(Placement, NeighboursAreClampedUnlessAtTheirLeast) {
     params.max_pixels = 1e6f;
     const Placement placement = place(stage, params, [](const RecordSite& site, GatheredRecord& g) {
         // A near feature that few sites see.
-        g.record.radius = std::abs(site.position.x) < 0.1f ? 0.3f : 20.0f;
+        g.record.radius = std::abs(site.position.x) < 0.3f ? 0.3f : 2.0f;
     });
     expectCovered(stage, params, placement);
     const std::vector<Record>& records = placement.cache.records;
+    bool at_limit = false;
     for (const Record& a : records) {
         const float least = params.min_pixels * footprintOf(stage, a) / params.accuracy;
         for (const Record& b : records) {
-            const float limit = b.radius + glm::length(a.position - b.position);
+            const float way = glm::length(a.position - b.position) / params.accuracy;
+            const float limit = b.radius + way;
+            at_limit |= &a != &b && a.radius > least * 1.001f && a.radius > 0.99f * limit;
             EXPECT_TRUE(a.radius <= limit * 1.0001f || a.radius <= least * 1.001f)
                 << a.radius << " limit " << limit << " least " << least;
         }
     }
+    EXPECT_GT(records.size(), 20u);
+    EXPECT_TRUE(at_limit);
     params.neighbour_clamping = false;
     const Placement free =
-        place(stage, params, [](const RecordSite&, GatheredRecord& g) { g.record.radius = 20.0f; });
+        place(stage, params, [](const RecordSite&, GatheredRecord& g) { g.record.radius = 2.0f; });
     for (const Record& r : free.cache.records) {
-        EXPECT_EQ(r.radius, 20.0f);
+        EXPECT_EQ(r.radius, 2.0f);
     }
 }
 

@@ -317,30 +317,32 @@ void Placer::heedNeighbours(size_t added) {
     }
 }
 
-// A feature that one record sees cannot be far from its neighbours: R_i <= R_j + |p_i - p_j|, for
-// the new record against all and for all against the new one. [KBPZ06, 4.3]
+// A feature that one record sees cannot be far from its neighbours: their reaches differ by at most
+// the way between them, a R_i <= a R_j + |p_i - p_j|, for the new record against all and for all
+// against the new one. [KBPZ06, 4.3] has R itself for the reach, which Ward's a multiplies.
 void Placer::clampNeighbours(size_t added) {
     if (!params_.neighbour_clamping) {
         return;
     }
     Record& fresh = placed_[added].gathered.record;
-    const auto distance = [&](size_t j) {
-        return glm::length(fresh.position - placed_[j].gathered.record.position);
+    const float a = params_.accuracy;
+    const auto way = [&](size_t j) {
+        return glm::length(fresh.position - placed_[j].gathered.record.position) / a;
     };
     tree_.visit(
         fresh.position,
-        [&](float distance2, float) { return distance2 < fresh.radius * fresh.radius; },
+        [&](float distance2, float) { return distance2 < a * a * fresh.radius * fresh.radius; },
         [&](size_t j) {
-            fresh.radius = std::min(fresh.radius, placed_[j].gathered.record.radius + distance(j));
+            fresh.radius = std::min(fresh.radius, placed_[j].gathered.record.radius + way(j));
         });
     fresh.radius = std::max(fresh.radius, leastRadius(placed_[added].footprint));
     tree_.visit(
         fresh.position,
         [&](float distance2, float greatest) {
-            const float beyond = greatest - fresh.radius;
+            const float beyond = a * (greatest - fresh.radius);
             return beyond > 0.0f && distance2 < beyond * beyond;
         },
-        [&](size_t j) { limitRadius(j, fresh.radius + distance(j)); });
+        [&](size_t j) { limitRadius(j, fresh.radius + way(j)); });
 }
 
 void Placer::splat(const Record& record, bool add) {

@@ -20,7 +20,7 @@ enum class ErrorControl { kSplitSphere, kHessian };
 struct PlacementParams {
     float accuracy = 0.5f;  ///< Ward's a
     ErrorControl control = ErrorControl::kHessian;
-    float curvature = 8e-4f;     ///< kHessian, times `accuracy`: relative error at the end of a
+    float curvature = 5e-4f;     ///< kHessian, times `accuracy`: relative error at the end of a
                                  ///< record's reach times that reach in heights of the image
     float normal_weight = 4.0f;  ///< k_n of the weight function
     float slab = 0.1f;           ///< c of the weight function
