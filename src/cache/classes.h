@@ -18,7 +18,7 @@ constexpr float kDiffuseBudget = 0.005f;
 /// less than this share.
 constexpr float kTruncationBudget = 0.025f;
 /// A pixel is too glossy for the cache where its material's order misses that by this much.
-constexpr float kTooGlossy = 0.1f;
+constexpr float kTooGlossy = 0.06f;
 
 struct PixelClasses {
     Image<int> orders;       ///< per pixel: kNoOrder, shared::DIFFUSE_ORDER or bands
