@@ -12,7 +12,6 @@
 #include "cache/placement.h"
 #include "cache/raster_gather.h"
 #include "cache/ray_gather.h"
-#include "cache/specular_rays.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "raster/gbuffer.h"
@@ -136,7 +135,8 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
         lightSurfaces(pool, gpu);
     }
     if (classes.too_glossy > 0) {
-        traced = gatherSpecular(*rays, scene, gbuffer, classes);
+        traced =
+            gatherSpecular(*rays, cells ? &*cells : nullptr, gbuffer, classes, params.specular);
     }
     seconds.gather = gather_timer.seconds();
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cache/placement.h"
+#include "cache/specular_rays.h"
 #include "hemisphere/hemisphere.h"
 #include "image/frame.h"
 #include "scene/scene.h"
@@ -32,6 +33,7 @@ struct RenderParams {
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;
     HemisphereParams gather{.size = 0};  ///< size 0: by the accuracy
+    SpecularParams specular;
     // The path tracer, plain and denoised.
     int bounces = 1;
     int spp = 256;  ///< paths a pixel, over all replicates

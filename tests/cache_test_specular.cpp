@@ -1,0 +1,188 @@
+// Pixels too glossy for the cache: which they are, and how they share their rays.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "cache/specular_rays.h"
+#include "core/parallel.h"
+#include "sh/brdf_sh.h"
+#include "test_scenes.h"
+#include "test_stage.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kSize = 64;
+constexpr SpecularParams kAlone{.window = 0};
+
+MaterialParams metal(float alpha) { return glossyParams(vec3(1.0f), 1.0f, std::sqrt(alpha)); }
+
+// A black room from -1 to 1; the camera looks along -z.
+struct Room {
+    Scene scene;
+    uint32_t black = addMaterial(scene, diffuseParams(vec3(0.0f)));
+
+    Room() {
+        addBox(scene, vec3(-1), vec3(1), black, true);
+        scene.cameras.push_back(lookAt(vec3(0.0f, 0.0f, 0.9f), vec3(0.0f)));
+    }
+    uint32_t lamp(const vec3& emission) {
+        return addMaterial(scene, diffuseParams(vec3(0.0f), emission));
+    }
+};
+
+// What is needed to gather.
+struct Gathering {
+    explicit Gathering(const Scene& gathered)
+        : scene(gathered),
+          gbuffer(TestStage(scene, 1).gbuffer(kSize, kSize)),
+          classes(classifyPixels(scene, gbuffer, 0, false)),
+          rays(scene) {}
+    Image<vec3> gather(const SpecularParams& params = {}) const {
+        return gatherSpecular(rays, nullptr, gbuffer, classes, params);
+    }
+
+    Scene scene;
+    GBuffer gbuffer;
+    PixelClasses classes;
+    RayCaster rays;
+};
+
+// A floor whose lobe has this width and that reflects a small lamp on the ceiling.
+Scene litFloor(float alpha) {
+    Room room;
+    const uint32_t lamp = room.lamp(vec3(40.0f, 20.0f, 10.0f));
+    addQuad(room.scene, vec3(-0.1f, 0.99f, -0.5f), vec3(0.2f, 0, 0), vec3(0, 0, 0.2f), lamp);
+    const uint32_t floor = addMaterial(room.scene, metal(alpha));
+    addQuad(room.scene, vec3(-1, -0.9f, -1), vec3(0, 0, 2), vec3(2, 0, 0), floor);
+    room.scene.cameras[0] = lookAt(vec3(0.0f, 0.0f, 0.9f), vec3(0.0f, -0.9f, 0.0f));
+    return room.scene;
+}
+
+TEST(SpecularRays, MirrorsShareNothing) {
+    const Gathering mirror(litFloor(0.0f));
+    EXPECT_GT(mirror.classes.too_glossy, kSize * kSize / 5);
+    EXPECT_EQ(mirror.gather().pixels, mirror.gather(kAlone).pixels);
+}
+
+// Against twenty times as many rays, whose own noise is small beside both.
+TEST(SpecularRays, SharingTakesNoiseAway) {
+    constexpr double kNoiseFalls = 2.2;
+    constexpr double kBias = 0.02;
+    const Gathering floor(litFloor(0.1f));
+    const Image<vec3> truth =
+        floor.gather({.rays_per_alpha = 1e6f, .max_rays = 20 * 192, .window = 0});
+    const auto difference = [&](const Image<vec3>& image) {
+        double squares = 0.0;
+        for (size_t i = 0; i < truth.pixels.size(); ++i) {
+            const vec3 d = image.pixels[i] - truth.pixels[i];
+            squares += static_cast<double>(glm::dot(d, d));
+        }
+        return std::sqrt(squares);
+    };
+    const auto sum = [](const Image<vec3>& image) {
+        double all = 0.0;
+        for (const vec3& pixel : image.pixels) {
+            all += static_cast<double>(pixel.x);
+        }
+        return all;
+    };
+    const Image<vec3> shared = floor.gather();
+    EXPECT_LT(kNoiseFalls * difference(shared), difference(floor.gather(kAlone)));
+    EXPECT_NEAR(sum(shared) / sum(truth), 1.0, kBias);
+}
+
+// A ridge whose left side cannot see the green wall, nor its right side the red one.
+TEST(SpecularRays, NothingLeaksAcrossACrease) {
+    Room room;
+    const uint32_t red = room.lamp(vec3(1, 0, 0));
+    const uint32_t green = room.lamp(vec3(0, 1, 0));
+    addQuad(room.scene, vec3(-0.99f, -1, -1), vec3(0, 2, 0), vec3(0, 0, 1.9f), red);
+    addQuad(room.scene, vec3(0.99f, -1, -1), vec3(0, 0, 1.9f), vec3(0, 2, 0), green);
+    const uint32_t side = addMaterial(room.scene, metal(0.1f));
+    addQuad(room.scene, vec3(-0.9f, -1, -0.9f), vec3(0.9f, 0, 0.9f), vec3(0, 2, 0), side);
+    addQuad(room.scene, vec3(0, -1, 0), vec3(0.9f, 0, -0.9f), vec3(0, 2, 0), side);
+    const Gathering ridge(room.scene);
+    const Image<vec3> seen = ridge.gather();
+    int coloured = 0;
+    for (size_t i = 0; i < seen.pixels.size(); ++i) {
+        const float side_of = ridge.gbuffer.normal.pixels[i].x;
+        if (ridge.classes.by_rays.pixels[i] != 0) {
+            EXPECT_EQ(side_of < 0.0f ? seen.pixels[i].y : seen.pixels[i].x, 0.0f);
+            coloured += seen.pixels[i] != vec3(0.0f) ? 1 : 0;
+        }
+    }
+    EXPECT_GT(coloured, kSize * kSize / 4);
+}
+
+// A panel before a deeper one of the same direction, beside which is a light it cannot see.
+TEST(SpecularRays, NothingLeaksAcrossAStep) {
+    Room room;
+    const uint32_t lamp = room.lamp(vec3(1.0f));
+    addQuad(room.scene, vec3(0.99f, -1, -1), vec3(0, 0, 1), vec3(0, 2, 0), lamp);
+    const uint32_t panel = addMaterial(room.scene, metal(0.25f));
+    addQuad(room.scene, vec3(-1, -1, -0.6f), vec3(2, 0, 0), vec3(0, 2, 0), panel);
+    addQuad(room.scene, vec3(-1, -1, 0.1f), vec3(1, 0, 0), vec3(0, 2, 0), panel);
+    Gathering step(room.scene);
+    // As if all of it were too glossy: what is tested is what is shared.
+    step.classes.by_rays = Image<uint8_t>(kSize, kSize, 1);
+    const Image<vec3> seen = step.gather();
+    int lit = 0;
+    for (int i = 0; i < kSize * kSize; ++i) {
+        const auto pixel = static_cast<size_t>(i);
+        if (step.gbuffer.position.pixels[pixel].z > 0.05f) {
+            EXPECT_EQ(seen.pixels[pixel], vec3(0.0f));
+        } else {
+            lit += seen.pixels[pixel] != vec3(0.0f) ? 1 : 0;
+        }
+    }
+    EXPECT_GT(lit, kSize * kSize / 8);
+}
+
+TEST(SpecularRays, AnyNumberOfThreadsGivesTheSameBits) {
+    const Gathering floor(litFloor(0.1f));
+    setThreadCount(1);
+    const Image<vec3> one = floor.gather();
+    setThreadCount(3);
+    const Image<vec3> three = floor.gather();
+    setThreadCount(0);
+    EXPECT_EQ(one.pixels, three.pixels);
+}
+
+// Pixels that their order misses by 5 to 10% go by rays where they lie together: a strip of three
+// is left to the cache, one of eight is not.
+TEST(TooGlossyClasses, LonePixelsAreLeftToTheCache) {
+    constexpr float kRoughness = 0.5f;
+    Room room;
+    const MaterialParams params = glossyParams(vec3(1.0f), 1.0f, kRoughness);
+    const uint32_t wall = addMaterial(room.scene, params);
+    addQuad(room.scene, vec3(-1, -1, -0.9f), vec3(2, 0, 0), vec3(0, 2, 0), wall);
+    GBuffer gbuffer = TestStage(room.scene, 1).gbuffer(kSize, kSize);
+    const int order = materialOrder(params, 0);
+    float NoV = 1.0f;
+    while (predictLobeError(NoV, kRoughness).truncated[order] < 0.07f) {
+        NoV -= 0.005f;
+        ASSERT_GT(NoV, 0.0f);
+    }
+    ASSERT_LT(predictLobeError(NoV, kRoughness).truncated[order], 0.09f);
+    const auto tilt = [&](int first, int count) {
+        for (int y = 0; y < kSize; ++y) {
+            for (int x = first; x < first + count; ++x) {
+                const vec3 wo =
+                    glm::normalize(gbuffer.view.origin - vec3(gbuffer.position.at(x, y)));
+                const vec3 across = glm::normalize(glm::cross(wo, vec3(0, 1, 0)));
+                gbuffer.normal.at(x, y) =
+                    vec4(NoV * wo + std::sqrt(1.0f - NoV * NoV) * across, kRoughness);
+            }
+        }
+    };
+    tilt(20, 3);
+    tilt(40, 8);
+    const PixelClasses classes = classifyPixels(room.scene, gbuffer, 0, false);
+    for (int x = 10; x < kSize - 10; ++x) {
+        EXPECT_EQ(classes.by_rays.at(x, kSize / 2), x >= 40 && x < 48 ? 1 : 0) << x;
+    }
+}
+
+}  // namespace
+}  // namespace sheen
