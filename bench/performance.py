@@ -353,10 +353,11 @@ def measure_whole(sheen, sizes, runs, options):
 def measure_records(sheen, size, accuracies, runs):
     """Warm runs by the number of records, whose texels stay those of the default accuracy."""
     measured = []
+    texels = run_whole(sheen, GROWN, size, 1, ())[1].stats["gather_size"]
     for accuracy in accuracies:
         print(f"performance: rendering {GROWN} at accuracy {accuracy}", file=sys.stderr)
         _, warm = run_whole(sheen, GROWN, size, runs,
-                            [f"--accuracy={accuracy}", "--gather-size=18"])
+                            [f"--accuracy={accuracy}", f"--gather-size={texels}"])
         measured.append((warm.stats["records"], warm))
     return measured
 

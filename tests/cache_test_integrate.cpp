@@ -217,6 +217,19 @@ struct Ceiling {
     }
 };
 
+// What the record sees where every surface is level, with the planes rays would tell of and
+// without.
+GatheredRecord integrateLevel(const Hemisphere& h, const Look& look, bool planes) {
+    const RecordSite site = siteWith(vec3(0, 0, 1), 0);
+    const mat3 frame = tangentFrame(site.normal);
+    SeenTexels seen{.light = render(h, frame, look, 1)};
+    for (size_t t = 0; planes && t < seen.light.size(); ++t) {
+        const float height = seen.light[t].w * h.directions[t].z;
+        seen.planes.push_back(height > 0.0f ? vec3(0, 0, 1.0f / height) : vec3(0.0f));
+    }
+    return integrateHemisphere(h, seen, {}, site);
+}
+
 // A light in the ceiling; an occluder nearer than the ceiling (the nearer surface decides how fast
 // the edge moves); a light nearer than the ceiling.
 const Ceiling kCeilings[] = {{1.0f, 5.0f, 0.0f}, {0.5f, 0.0f, 1.0f}, {0.4f, 3.0f, 1.0f}};
@@ -235,11 +248,14 @@ TEST(TranslationGradient, IrradianceAgainstTheClosedForm) {
             EXPECT_NEAR(integrate(coarse, site, ceiling.from(eye), 6).record.irradiance.x,
                         ceiling.irradiance(eye), kIrradianceError * ceiling.irradiance(eye));
             const vec2 expected = ceiling.gradient(eye);
-            const vec2 found(integrate(fine, site, ceiling.from(eye)).record.translation_g);
-            EXPECT_LT(glm::length(found - expected), kGradientError * glm::length(expected))
-                << "rectangle at " << ceiling.rectangle_height << " eye " << eye.x << " " << eye.y
-                << " found " << found.x << " " << found.y << " expected " << expected.x << " "
-                << expected.y;
+            for (bool planes : {false, true}) {
+                const vec2 found(
+                    integrateLevel(fine, ceiling.from(eye), planes).record.translation_g);
+                EXPECT_LT(glm::length(found - expected), kGradientError * glm::length(expected))
+                    << "rectangle at " << ceiling.rectangle_height << " eye " << eye.x << " "
+                    << eye.y << " found " << found.x << " " << found.y << " expected " << expected.x
+                    << " " << expected.y << " planes " << planes;
+            }
         }
     }
 }
@@ -248,9 +264,12 @@ TEST(TranslationGradient, HemicubeAgreesWithTheClosedForm) {
     const Hemisphere cube = makeHemisphere({.kind = HemisphereKind::kHemicube, .size = 96});
     for (const Ceiling& ceiling : kCeilings) {
         const vec2 eye(-0.3f, 0.2f);
-        const GatheredRecord g = integrate(cube, siteWith(vec3(0, 0, 1), 0), ceiling.from(eye));
-        EXPECT_LT(glm::length(vec2(g.record.translation_r) - ceiling.gradient(eye)),
-                  kGradientError * glm::length(ceiling.gradient(eye)));
+        for (bool planes : {false, true}) {
+            const GatheredRecord g = integrateLevel(cube, ceiling.from(eye), planes);
+            EXPECT_LT(glm::length(vec2(g.record.translation_r) - ceiling.gradient(eye)),
+                      kGradientError * glm::length(ceiling.gradient(eye)))
+                << planes;
+        }
     }
 }
 
@@ -262,9 +281,12 @@ TEST(Curvature, AgainstTheClosedForm) {
         for (const Ceiling& ceiling : kCeilings) {
             for (const vec2& eye : {vec2(0.6f, 0.0f), vec2(-0.4f, 0.3f), vec2(1.0f, 0.5f)}) {
                 const float expected = ceiling.curvature(eye);
-                EXPECT_NEAR(integrate(h, siteWith(vec3(0, 0, 1), 0), ceiling.from(eye)).curvature,
-                            expected, kCurvatureError * expected)
-                    << "rectangle at " << ceiling.rectangle_height << " eye " << eye.x;
+                for (bool planes : {false, true}) {
+                    EXPECT_NEAR(integrateLevel(h, ceiling.from(eye), planes).curvature, expected,
+                                kCurvatureError * expected)
+                        << "rectangle at " << ceiling.rectangle_height << " eye " << eye.x
+                        << " planes " << planes;
+                }
             }
         }
     }
@@ -299,9 +321,9 @@ struct Foot {
 };
 
 TEST(TranslationGradient, IsBoundedAtTheFootOfAWall) {
-    // As many texels as the program has. Near the floor ever more of it lies in one texel, and of a
-    // gradient that grows like the logarithm of the height a part is found. By the nearer distance
-    // of two texels it would be -61 at 0.001, -8900 at 1e-5.
+    // About as many texels as the program has. Near the floor ever more of it lies in one texel,
+    // and of a gradient that grows like the logarithm of the height a part is found. By the nearer
+    // distance of two texels it would be -61 at 0.001, -8900 at 1e-5.
     constexpr float kFootError = 0.15f;
     constexpr float kLeastPart = 0.35f;
     const Hemisphere h = makeHemisphere({.kind = HemisphereKind::kHemicube, .size = 20});

@@ -70,8 +70,8 @@ TEST(SpecularRays, SharingTakesNoiseAway) {
     constexpr double kNoiseFalls = 2.2;
     constexpr double kBias = 0.02;
     const Gathering floor(litFloor(0.1f));
-    const Image<vec3> truth =
-        floor.gather({.rays_per_alpha = 1e6f, .max_rays = 20 * 192, .window = 0});
+    const Image<vec3> truth = floor.gather(
+        {.rays_per_alpha = 1e6f, .max_rays = 20 * SpecularParams{}.max_rays, .window = 0});
     const auto difference = [&](const Image<vec3>& image) {
         double squares = 0.0;
         for (size_t i = 0; i < truth.pixels.size(); ++i) {

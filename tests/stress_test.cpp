@@ -96,8 +96,8 @@ TEST(StressBlotches, NoRecordOutshinesItsSurface) {
     }
     ASSERT_GT(values.size(), 900u);
     std::sort(values.begin(), values.end());
-    // A pixel or two may; a patch is wider.
-    EXPECT_LT(values[values.size() - 5], kMost * values[values.size() / 2]);
+    // Two pixels may; a patch is wider.
+    EXPECT_LT(values[values.size() - 3], kMost * values[values.size() / 2]);
 }
 
 }  // namespace

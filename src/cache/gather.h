@@ -30,15 +30,15 @@ struct ShProjection {
 /// What the texels of a record's hemisphere see.
 struct SeenTexels {
     std::vector<vec4> light;  ///< radiance; w: distance, 0: nothing seen
-    /// The planes of the surfaces seen, in the record's frame, whose z is its normal: along a unit
-    /// direction d a plane lies at distance 1 / dot(plane, d). Zero where nothing is seen; empty
-    /// where planes are not known.
+    /// The planes of the surfaces seen, each by one ray through the texel, in the record's frame,
+    /// whose z is its normal: along a unit direction d a plane lies at distance 1 / dot(plane, d).
+    /// Zero where that ray met nothing; empty where planes are not known.
     std::vector<vec3> planes = {};
 };
 
 /// Turns what a record sees into the record: irradiance, gradients, harmonic mean distance and, for
 /// order > 0, spherical harmonics through `projection`, which fits that order.
-GatheredRecord integrateHemisphere(const Hemisphere& hemisphere, const SeenTexels& texels,
+GatheredRecord integrateHemisphere(const Hemisphere& hemisphere, const SeenTexels& seen,
                                    const ShProjection& projection, const RecordSite& site);
 
 /// The matrices integrateHemisphere() projects with, each made when it is first asked for.

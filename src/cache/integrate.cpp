@@ -23,7 +23,10 @@ float wallParallax(const Hemisphere& h, const HemisphereWall& wall, std::span<co
                    std::span<const float> inverse_distance) {
     constexpr float kSamePlane = 0.02f;  // inverse distances agree so well, relative
     const float nearer = std::max(inverse_distance[wall.a], inverse_distance[wall.b]);
-    if (planes.empty()) {
+    const auto unknown = [&](uint32_t texel) {
+        return planes[texel] == vec3(0.0f) && inverse_distance[texel] > 0.0f;
+    };
+    if (nearer == 0.0f || planes.empty() || unknown(wall.a) || unknown(wall.b)) {
         return nearer;
     }
     const auto plane = [&](uint32_t of, uint32_t along) {
@@ -35,15 +38,16 @@ float wallParallax(const Hemisphere& h, const HemisphereWall& wall, std::span<co
     const float before_b = a - plane(wall.b, wall.a);
     const float before_a = b - a_along_b;
     float parallax = nearer;
-    if (std::abs(before_b) + std::abs(before_a) <= kSamePlane * (a + b)) {
+    if (a > 0.0f && b > 0.0f && std::abs(before_b) + std::abs(before_a) <= kSamePlane * (a + b)) {
+        // Where a and b are alike, the geometric mean is as good, and 0 / 0 far.
         const float ratio = a / b;
-        const bool alike =
-            std::abs(ratio - 1.0f) < 0.1f;  // the geometric mean is as good, and 0 / 0 far
-        parallax = alike ? std::sqrt(a * b) : a * std::log(ratio) / (ratio - 1.0f);
+        parallax =
+            std::abs(ratio - 1.0f) < 0.1f ? std::sqrt(a * b) : a * std::log(ratio) / (ratio - 1.0f);
     } else if (before_b > 0.0f && before_a > 0.0f) {
         parallax = glm::mix(a, a_along_b, before_b / (before_b + before_a));
     }
-    // A plane may have its horizon within a texel; nothing then says more than the distances.
+    // A ray at a grazing angle may tell of a plane whose horizon lies before the texel's middle:
+    // then the distances say more.
     return parallax >= 0.0f && parallax <= nearer ? parallax : nearer;
 }
 

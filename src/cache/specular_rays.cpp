@@ -34,7 +34,7 @@ struct Lobe {
 // What a pixel's own rays saw.
 struct Seen {
     vec3 light{};        // the lobe's mean of what arrives: one for constant light of one
-    float nearness = 0;  // one over the harmonic mean distance it comes from
+    float nearness = 0;  // mean of one over the distance it comes from; 0: no ray met anything
     vec3 mirrored{};     // where it comes from: the direction that mirrors the viewer's
 };
 

@@ -43,7 +43,7 @@ struct FootprintSample {
 
 /// The boundary between two texels a and b, from one corner of theirs to the next. When the record
 /// moves by a vector t in its tangent plane, solid angle -dot(motion, t) / r passes from b to a,
-/// where r is the distance of the nearer of the two; cosine_motion is the same with the cosine
+/// where r is the distance of what the wall lies on; cosine_motion is the same with the cosine
 /// integrated along the wall.
 struct HemisphereWall {
     uint32_t a = 0;

@@ -40,7 +40,7 @@ class RayCaster {
     /// distance it comes from; all zero where nothing is met. As many `seen` as rays. `cells`,
     /// where given, are taken for the light on pieces of surface smaller than what a ray stands
     /// for. `planes`, where given, get those of the triangles met: along a unit direction d from
-    /// the origin, a plane lies at distance 1 / dot(plane, d).
+    /// the origin, a plane lies at distance 1 / dot(plane, d); zero where nothing is met.
     void cast(const Rays& rays, vec4* seen, const LightCells* cells = nullptr,
               vec3* planes = nullptr) const;
 
