@@ -79,25 +79,28 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return fmt::format("Seed{}", info.param.seed); });
 
 // Seed 17: mirrors that show lights to diffuse walls. A record that met a highlight by chance was
-// far brighter than the image, over a patch as wide as records reach.
+// far brighter than the image, over a patch as wide as records reach. Whether a single record meets
+// one is a lottery, at the default accuracy it does: there only patches are judged.
 TEST(StressBlotches, NoRecordOutshinesItsSurface) {
     constexpr float kMost = 15.0f;  // over the median; it was 58
-    const RenderResult result = [] {
+    const auto brightest = [](const PlacementParams& placement, size_t skipped) {
         RenderParams params;
         params.width = params.height = kSize;
         params.quiet = true;
-        return renderFrame(stressScene(17).scene, params);
-    }();
-    std::vector<float> values;
-    for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
-        if (result.frame.primitive.pixels[i] != kNoPrimitive) {
-            values.push_back(result.frame.indirect.pixels[i].x);
+        params.placement = placement;
+        const RenderResult result = renderFrame(stressScene(17).scene, params);
+        std::vector<float> values;
+        for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+            if (result.frame.primitive.pixels[i] != kNoPrimitive) {
+                values.push_back(result.frame.indirect.pixels[i].x);
+            }
         }
-    }
-    ASSERT_GT(values.size(), 900u);
-    std::sort(values.begin(), values.end());
-    // Two pixels may; a patch is wider.
-    EXPECT_LT(values[values.size() - 3], kMost * values[values.size() / 2]);
+        EXPECT_GT(values.size(), 900u);
+        std::sort(values.begin(), values.end());
+        return values[values.size() - 1 - skipped] / values[values.size() / 2];
+    };
+    EXPECT_LT(brightest({.accuracy = 0.4f}, 0), kMost);
+    EXPECT_LT(brightest({}, 2), kMost);
 }
 
 }  // namespace

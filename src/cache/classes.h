@@ -20,8 +20,8 @@ constexpr float kTruncationBudget = 0.025f;
 /// A pixel is too glossy for the cache where its material's order misses that by this much.
 constexpr float kTooGlossy = 0.1f;
 /// By this much where it lies in a square of such pixels, of 2 kTogether + 1 a side or what the
-/// image's border leaves of one: these share
-/// their rays (gatherSpecular()). On a silhouette few do, and noise would be worse than truncation.
+/// image's border leaves of one: these share their rays (gatherSpecular()). On a silhouette few do,
+/// and noise would be worse than truncation.
 constexpr float kTooGlossyTogether = 0.05f;
 constexpr int kTogether = 2;
 

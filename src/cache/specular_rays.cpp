@@ -109,8 +109,7 @@ class Sharing {
 
     // The mean light of the pixels around (x, y) whose lobes overlap. Pixels on opposite sides
     // weigh the same: one side alone, as at an edge, would stand for light that the other lacks.
-    vec3 lightAt(int x, int y) const {
-        const Lobe lobe(gbuffer_, static_cast<size_t>(y) * gbuffer_.width + x);
+    vec3 lightAt(const Lobe& lobe, int x, int y) const {
         vec3 sum = seen_.at(x, y).light;
         float all = 1.0f;
         for (int dy = 0; dy <= params_.window; ++dy) {
@@ -188,12 +187,11 @@ Image<vec3> gatherSpecular(const RayCaster& rays, const LightCells* cells, const
     const Sharing sharing(rays.scene(), gbuffer, classes, seen, params);
     Image<vec3> specular(gbuffer.width, gbuffer.height);
     forEachByRays(classes, [&](int x, int y) {
-        const vec4& normal = gbuffer.normal.at(x, y);
-        const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(gbuffer.position.at(x, y)));
-        const vec2 ab = brdfAlbedo(glm::dot(vec3(normal), wo), normal.w);
+        const Lobe lobe(gbuffer, static_cast<size_t>(y) * gbuffer.width + x);
+        const vec2 ab = brdfAlbedo(glm::dot(lobe.n, lobe.wo), gbuffer.normal.at(x, y).w);
         const float f90 = gbuffer.diffuse.at(x, y).w;
         specular.at(x, y) =
-            (vec3(gbuffer.f0.at(x, y)) * ab.x + vec3(f90 * ab.y)) * sharing.lightAt(x, y);
+            (vec3(gbuffer.f0.at(x, y)) * ab.x + vec3(f90 * ab.y)) * sharing.lightAt(lobe, x, y);
     });
     return specular;
 }
