@@ -13,6 +13,7 @@
 
 #include "core/error.h"
 #include "scene/scene.h"
+#include "test_folder.h"
 
 namespace sheen {
 
@@ -24,12 +25,11 @@ constexpr int kUnsignedShort = 5123;
 constexpr int kUnsignedInt = 5125;
 constexpr int kFloat = 5126;
 
-/// A path for this test alone, in the temporary folder.
+/// A path for this test alone, in a folder that goes away with the process.
 inline std::string temporaryPath(const std::string& name) {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) /
-                                         (std::string("sheen_") + test->test_suite_name()) /
-                                         test->name();
+    static const TestFolder all;
+    const std::filesystem::path folder = all.path() / test->test_suite_name() / test->name();
     std::filesystem::create_directories(folder);
     return (folder / name).string();
 }
