@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cache/creases.h"
 #include "cache/record_tree.h"
 #include "core/error.h"
 #include "core/progress.h"
@@ -27,6 +28,10 @@ constexpr float kGatherNoise = 0.01f;
 constexpr size_t kNearest = 3;
 constexpr size_t kNone = ~size_t{0};
 
+// Records that serve creases reach at most so much farther than the least, by which neighbours'
+// footprints may differ.
+constexpr float kCreaseReach = 1.1f;
+
 float largestChange(const Record& r) {
     return luminance(
         {glm::length(r.translation_r), glm::length(r.translation_g), glm::length(r.translation_b)});
@@ -43,6 +48,7 @@ class Placer {
           params_(params),
           weight_(params.weight()),
           gather_(gather),
+          creases_(findCreases(gbuffer)),
           sums_(gbuffer.width, gbuffer.height),
           tree_(scene.bounds) {}
 
@@ -69,8 +75,15 @@ class Placer {
     float leastRadius(float pixel_footprint) const {
         return params_.min_pixels * pixel_footprint / params_.accuracy;
     }
-    float greatestRadius(float pixel_footprint) const {
-        return params_.max_pixels * pixel_footprint / params_.accuracy;
+    float greatestRadius(int i) const {
+        const bool crease = creases_.pixels[static_cast<size_t>(i)] != 0;
+        const float pixels = crease ? params_.min_pixels : params_.max_pixels;
+        return pixels * footprint(i) / params_.accuracy;
+    }
+    // A crease is served only by what lies in creases, or reaches no farther.
+    bool mayServe(const Record& record, size_t i) const {
+        return creases_.pixels[i] == 0 ||
+               record.radius <= kCreaseReach * greatestRadius(static_cast<int>(i));
     }
     // The pixel after i on the grid of every stride-th pixel of every stride-th row.
     int nextPixel(int i, int stride) const {
@@ -104,6 +117,7 @@ class Placer {
     const PlacementParams& params_;
     const WeightParams weight_;
     const GatherFunction& gather_;
+    const Image<uint8_t> creases_;
     Image<uint32_t> sums_;
     std::vector<Placed> placed_;
     RecordTree tree_;
@@ -152,8 +166,7 @@ RecordSite Placer::siteAt(const Choice& choice) const {
 float Placer::predictedRadius(const Choice& choice) const {
     const size_t nearest = choice.nearest[0];
     return std::clamp(nearest == kNone ? kInfinity : placed_[nearest].gathered.record.radius,
-                      leastRadius(footprint(choice.pixel)),
-                      greatestRadius(footprint(choice.pixel)));
+                      leastRadius(footprint(choice.pixel)), greatestRadius(choice.pixel));
 }
 
 // The next sites, from `pixel` on: pixels that are missed and that no site chosen before them is
@@ -221,7 +234,7 @@ float Placer::clampedRadius(const Placed& placed) const {
                                    placed.footprint * static_cast<float>(gbuffer_.height));
             break;
     }
-    return std::clamp(radius, leastRadius(placed.footprint), greatestRadius(placed.footprint));
+    return std::clamp(radius, leastRadius(placed.footprint), greatestRadius(placed.pixel));
 }
 
 // Harmonic mean distance, limited by the relative change of irradiance. [WRC88]
@@ -346,7 +359,8 @@ void Placer::clampNeighbours(size_t added) {
 }
 
 void Placer::splat(const Record& record, bool add) {
-    forServed(gbuffer_, classes_, record, weight_, [&](size_t pixel, float v) {
+    const auto may_serve = [&](size_t pixel) { return mayServe(record, pixel); };
+    forServed(gbuffer_, classes_, record, weight_, may_serve, [&](size_t pixel, float v) {
         const auto fixed = static_cast<uint32_t>(std::min(v, kWeightLimit) * kWeightScale + 0.5f);
         uint32_t& sum = sums_.pixels[pixel];
         sum = add ? sum + fixed : sum - fixed;
