@@ -512,12 +512,14 @@ TEST_F(CliTest, compareFigures) {
     const Outcome run = call("compare a.exr b.exr --json - --heatmap h.png");
     ASSERT_EQ(run.code, 0) << run.err;
     const Json json = Json::parse(run.out);
-    EXPECT_EQ(json.size(), 9u);
+    EXPECT_EQ(json.size(), 11u);
     EXPECT_NEAR(json["rel_rmse"].get<double>(), 0.1, 1e-6);
     EXPECT_NEAR(json["rel_mse"].get<double>(), 0.01, 1e-6);
     EXPECT_NEAR(json["bias"].get<double>(), 0.1, 1e-6);
     EXPECT_EQ(json["noise_share"], 0.0);
     EXPECT_EQ(json["excluded"], 1);
+    EXPECT_EQ(json["noise_median"], 0.0);
+    EXPECT_EQ(json["noise_p99"], 0.0);
     for (const char* key : {"median", "p99", "max", "tile_max"}) {
         EXPECT_TRUE(json.contains(key)) << key;
     }
@@ -533,6 +535,8 @@ TEST_F(CliTest, compareTakesTheVarianceOff) {
     const Json json = Json::parse(run.out);
     EXPECT_NEAR(json["rel_rmse"].get<double>(), 0.08, 1e-6);
     EXPECT_NEAR(json["noise_share"].get<double>(), 0.36, 1e-5);
+    // Of a normal variable's absolute values half lie below 0.6745 of its standard deviation.
+    EXPECT_NEAR(json["noise_median"].get<double>(), 0.67449 * 0.06 / 1.01, 1e-5);
 }
 
 TEST_F(CliTest, compareRefusesANoisyReference) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "image/frame.h"
 #include "metrics/compare.h"
@@ -128,6 +129,40 @@ TEST(Compare, RefusesToJudgeByANoisyReference) {
     EXPECT_FALSE(compare(all).judged);
     EXPECT_EQ(compare(all).noise_share, 1.0);
     EXPECT_EQ(compare(all).rel_rmse, 0.0);  // clamped, not NaN
+}
+
+TEST(Compare, QuantilesOfTheReferencesNoise) {
+    // Of a normal variable's absolute values half lie below 0.67449 deviations, 99% below 2.57583.
+    const Image<vec3> reference(300, 40, vec3(1.0f)), variance(300, 40, vec3(0.04f));
+    const Comparison even =
+        compareImages({.test = reference, .reference = reference, .reference_variance = &variance});
+    EXPECT_NEAR(even.noise_median, 0.67449 * 0.2 / 1.01, 1e-5);
+    EXPECT_NEAR(even.noise_p99, 2.57583 * 0.2 / 1.01, 1e-5);
+
+    // A tenth of the pixels noisy, the others exact: of all 99% lie below 90% of the noisy ones.
+    Image<vec3> some(300, 40);
+    for (int x = 0; x < 30; ++x) {
+        for (int y = 0; y < 40; ++y) {
+            some.at(x, y) = vec3(0.04f);
+        }
+    }
+    const Comparison few =
+        compareImages({.test = reference, .reference = reference, .reference_variance = &some});
+    EXPECT_EQ(few.noise_median, 0.0);
+    EXPECT_NEAR(few.noise_p99, 1.64485 * 0.2 / 1.01, 1e-3);
+
+    // A reference without noise, or with a variance that is none.
+    const Image<vec3> none(300, 40), negative(300, 40, vec3(-1.0f));
+    for (const Image<vec3>* exact : {&none, &negative}) {
+        const Comparison c =
+            compareImages({.test = reference, .reference = reference, .reference_variance = exact});
+        EXPECT_EQ(c.noise_median, 0.0);
+        EXPECT_EQ(c.noise_p99, 0.0);
+    }
+    const Image<vec3> black(300, 40);
+    const Comparison dark =
+        compareImages({.test = black, .reference = black, .reference_variance = &variance});
+    EXPECT_EQ(dark.noise_median, std::numeric_limits<double>::infinity());
 }
 
 TEST(Compare, PixelsOfOtherTrianglesAreExcluded) {

@@ -55,10 +55,16 @@ Image<vec3> varianceOf(const LoadedExr& exr, const std::string& layer) {
 }
 
 Json comparisonJson(const Comparison& c) {
-    return {{"rel_rmse", c.rel_rmse}, {"rel_mse", c.rel_mse},
-            {"bias", c.bias},         {"median", c.median},
-            {"p99", c.p99},           {"max", c.max},
-            {"tile_max", c.tile_max}, {"noise_share", c.noise_share},
+    return {{"rel_rmse", c.rel_rmse},
+            {"rel_mse", c.rel_mse},
+            {"bias", c.bias},
+            {"median", c.median},
+            {"p99", c.p99},
+            {"max", c.max},
+            {"noise_median", c.noise_median},
+            {"noise_p99", c.noise_p99},
+            {"tile_max", c.tile_max},
+            {"noise_share", c.noise_share},
             {"excluded", c.excluded}};
 }
 
@@ -67,6 +73,8 @@ void printComparison(const Comparison& c) {
     fmt::print("rel_mse     {:.6g}\n", c.rel_mse);
     fmt::print("pixels      median {:.3f}%, p99 {:.3f}%, max {:.3f}%\n", 100.0 * c.median,
                100.0 * c.p99, 100.0 * c.max);
+    fmt::print("            of the reference's noise alone: median {:.3f}%, p99 {:.3f}%\n",
+               100.0 * c.noise_median, 100.0 * c.noise_p99);
     fmt::print("tile_max    {:.3f}% at pixel {}, {}\n", 100.0 * c.tile_max, c.worst_tile.x,
                c.worst_tile.y);
     fmt::print("noise_share {:.3f}\n", c.noise_share);

@@ -135,9 +135,14 @@ Sums sumAll(const std::vector<Tile>& tiles) {
     return all;
 }
 
+// Relative to the reference's sample.
+double relativeTo(const CompareInput& input, int x, int y, int channel, double mean, double error) {
+    return ratio(error, input.reference.at(x, y)[channel] + kRelativeFloor * mean);
+}
+
 double relativeError(const CompareInput& input, int x, int y, int channel, double mean) {
     const double b = input.reference.at(x, y)[channel];
-    return ratio(std::abs(input.test.at(x, y)[channel] - b), b + kRelativeFloor * mean);
+    return relativeTo(input, x, y, channel, mean, std::abs(input.test.at(x, y)[channel] - b));
 }
 
 // The smallest value that is not below `share` of all values; reorders them.
@@ -146,6 +151,41 @@ double quantile(std::vector<double>& values, double share) {
     const auto nth = values.begin() + static_cast<std::ptrdiff_t>(std::max<size_t>(rank, 1) - 1);
     std::nth_element(values.begin(), nth, values.end());
     return *nth;
+}
+
+// The same of the absolute values of normal variables with these standard deviations: of one
+// variable's, erf(q / (s sqrt 2)) lie below q, and the mean of those is to be `share`. Sorts.
+double quantileOfNoise(std::vector<double>& deviations, double share) {
+    // From one to the next of the sorted deviations little changes: a few thousand do.
+    constexpr size_t kEnough = 4096;
+    constexpr int kSteps = 40;
+    constexpr double kNearlyAll = 6.0;  // deviations, within which all but 2e-9 lie
+    std::sort(deviations.begin(), deviations.end());
+    const size_t stride = deviations.size() / kEnough + 1;
+    const auto below = [&](double q) {
+        double sum = 0.0;
+        size_t count = 0;
+        for (size_t i = stride / 2; i < deviations.size(); i += stride) {
+            const double s = deviations[i];
+            sum += s > 0.0 ? std::erf(q / (s * std::sqrt(2.0))) : 1.0;
+            ++count;
+        }
+        return sum / static_cast<double>(count);
+    };
+    const auto infinite = std::lower_bound(deviations.begin(), deviations.end(), kInfinite);
+    double low = 0.0;
+    double high = infinite == deviations.begin() ? 0.0 : kNearlyAll * *std::prev(infinite);
+    if (below(low) >= share) {
+        return low;
+    }
+    if (below(high) < share) {
+        return kInfinite;
+    }
+    for (int step = 0; step < kSteps; ++step) {
+        const double q = 0.5 * (low + high);
+        (below(q) < share ? low : high) = q;
+    }
+    return high;
 }
 
 }  // namespace
@@ -157,6 +197,7 @@ Comparison compareImages(const CompareInput& input) {
 
     Comparison result;
     std::vector<double> relative_errors;
+    std::vector<double> relative_noise;
     relative_errors.reserve(static_cast<size_t>(all.samples));
     const double mean = all.samples > 0 ? all.meanReference() : 0.0;
     for (int y = 0; y < input.reference.height; ++y) {
@@ -171,6 +212,11 @@ Comparison compareImages(const CompareInput& input) {
                     ++result.compared;
                     for (int c = 0; c < 3; ++c) {
                         relative_errors.push_back(relativeError(input, x, y, c, mean));
+                        if (input.reference_variance != nullptr) {
+                            const double v = input.reference_variance->at(x, y)[c];
+                            relative_noise.push_back(
+                                relativeTo(input, x, y, c, mean, std::sqrt(std::max(v, 0.0))));
+                        }
                     }
                     break;
             }
@@ -185,6 +231,10 @@ Comparison compareImages(const CompareInput& input) {
     result.bias = ratio(all.meanDifference(), mean);
     result.median = quantile(relative_errors, 0.5);
     result.p99 = quantile(relative_errors, 0.99);
+    if (!relative_noise.empty()) {
+        result.noise_median = quantileOfNoise(relative_noise, 0.5);
+        result.noise_p99 = quantileOfNoise(relative_noise, 0.99);
+    }
     result.max = *std::max_element(relative_errors.begin(), relative_errors.end());
     for (const Tile& tile : tiles) {
         if (tile.sums.samples == 0) {

@@ -33,6 +33,9 @@ struct Comparison {
     /// Quantiles of the relative error |a-b| / (b + 1% of mean b): the smallest sample that is not
     /// below half, or 99%, of all samples. The reference's noise is included.
     double median = 0, p99 = 0, max = 0;
+    /// The median and p99 that a perfect image would have, whose errors are the reference's noise,
+    /// taken as normal with variance V: the most that judging by this reference can show.
+    double noise_median = 0, noise_p99 = 0;
     /// Largest over the tiles of 16 x 16 pixels, counted from the top left and cut by the image's
     /// edge, of sqrt(max(0, tile mean of (a-b)^2 - V)) / (tile mean of b + 5% of mean b).
     double tile_max = 0;
