@@ -80,7 +80,7 @@ FN PunctualLight twinLight(IN(vec4) a, IN(vec4) b, IN(vec4) c, int kind) {
 FN vec4 twin(int which, IN(vec4) a, IN(vec4) b, IN(vec4) c, IN(vec4) d) {
     vec3 up = vec3(0.0f, 0.0f, 1.0f);
     if (which < TWIN_SH) {
-        ShVector y = shBasis(vec3(a), SH_MAX_ORDER);
+        ShVector y = shBasis(vec3(a), SH_MAX_ORDER, shFactors());
         return vec4(y.c[4 * which], y.c[4 * which + 1], y.c[4 * which + 2], y.c[4 * which + 3]);
     }
     if (which == TWIN_BRDF) {

@@ -88,22 +88,25 @@ void BrdfRotator::rotate(const BrdfShSample& lobe, float f0, float f90, const ve
     const vec3 helper = std::abs(n.x) < 0.9f ? vec3(1, 0, 0) : vec3(0, 1, 0);
     const vec3 t =
         side_length > 1e-5f ? side / side_length : glm::normalize(helper - glm::dot(helper, n) * n);
-    const int count = order_ * order_;
-    std::fill(coefficients, coefficients + count, 0.0f);
+    // [l][direction]: weights of the zonal harmonics.
+    float zonal[shared::SH_MAX_ORDER][shared::SH_MAX_ORDER] = {};
+    const float* weights = weights_.data();
+    for (int l = 0; l < order_; ++l) {
+        for (int m = 0; m <= l; ++m, weights += order_) {
+            const int entry = shTriangleIndex(l, m);
+            const float b = f0 * lobe.a[entry] + f90 * lobe.b[entry];
+            for (int i = 0; i < order_; ++i) {
+                zonal[l][i] += weights[i] * b;
+            }
+        }
+    }
+    std::fill(coefficients, coefficients + order_ * order_, 0.0f);
     for (int i = 0; i < order_; ++i) {
         const vec2& axis = axes_[static_cast<size_t>(i)];
         const shared::ShVector y = shared::shBasis(axis.x * t + axis.y * n, order_);
-        size_t first = 0;
         for (int l = 0; l < order_; ++l) {
-            float zonal = 0.0f;
-            for (int m = 0; m <= l; ++m) {
-                const int entry = shTriangleIndex(l, m);
-                zonal += weights_[first + static_cast<size_t>(m * order_ + i)] *
-                         (f0 * lobe.a[entry] + f90 * lobe.b[entry]);
-            }
-            first += static_cast<size_t>((l + 1) * order_);
             for (int j = l * l; j < (l + 1) * (l + 1); ++j) {
-                coefficients[j] += zonal * y.c[j];
+                coefficients[j] += zonal[l][i] * y.c[j];
             }
         }
     }

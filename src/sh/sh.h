@@ -8,6 +8,10 @@
 namespace sheen::shared {
 using namespace glm;
 #include "shared/sh.glsl"
+
+inline const ShFactors kShFactors = shFactors();
+/// The basis at a unit direction, bands 0..order-1; the rest of the vector is not written.
+inline ShVector shBasis(const vec3& d, int order) { return shBasis(d, order, kShFactors); }
 }  // namespace sheen::shared
 
 namespace sheen {
