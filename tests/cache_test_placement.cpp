@@ -86,6 +86,47 @@ TEST(Placement, HostileRadiiAreClamped) {
     }
 }
 
+TEST(ReachedBounds, HoldWhatHasWeightAndEndWhereTheReachDoes) {
+    const Stage stage = makeStage(0, 0);
+    const GBuffer& g = stage.gbuffer;
+    const PlacementParams params;
+    const WeightParams weight = params.servingWeight();
+    const auto area = [](const PixelRect& r) { return (r.x1 - r.x0) * (r.y1 - r.y0); };
+    int served = 0, reached = 0;
+    for (Record k : place(stage, params).cache.records) {
+        const PixelRect outer = servedBounds(g, k, weight);
+        const PixelRect rect = reachedBounds(g, k, weight);
+        served += area(outer);
+        reached += area(rect);
+        ASSERT_TRUE(rect.x0 >= outer.x0 && rect.x1 <= outer.x1 && rect.y0 >= outer.y0 &&
+                    rect.y1 <= outer.y1);
+        bool left = false, right = false, bottom = false, top = false;
+        for (int y = 0; y < kHeight; ++y) {
+            for (int x = 0; x < kWidth; ++x) {
+                if (!g.seen(y * kWidth + x)) {
+                    continue;
+                }
+                const vec4 p = g.position.at(x, y);
+                if (shared::recordWeight(weight, k.position, k.normal, k.radius, vec3(p),
+                                         vec3(g.normal.at(x, y)), p.w * g.pixel_angle) > 0.0f) {
+                    ASSERT_TRUE(x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1);
+                }
+                if (glm::distance(vec3(p), k.position) < 1.001f * weight.accuracy * k.radius) {
+                    left |= x == rect.x0;
+                    right |= x == rect.x1 - 1;
+                    bottom |= y == rect.y0;
+                    top |= y == rect.y1 - 1;
+                }
+            }
+        }
+        EXPECT_TRUE(left && right && bottom && top);
+        k.position += vec3(0, 3.0f * weight.accuracy * k.radius, 0);
+        EXPECT_EQ(area(reachedBounds(g, k, weight)), 0);
+    }
+    EXPECT_GT(reached, 0);
+    EXPECT_LT(reached, 0.9 * served);
+}
+
 TEST(Placement, CurvatureEndsTheReach) {
     const Stage stage = makeStage(0, 0);
     PlacementParams params;

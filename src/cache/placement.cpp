@@ -525,4 +525,30 @@ PixelRect servedBounds(const GBuffer& gbuffer, const Record& record, const Weigh
                       record.normal, weight.slab * reach + tilted);
 }
 
+PixelRect reachedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight) {
+    constexpr float kRounding = 1e-5f;  // of another compiler's recordWeight()
+    const PixelRect served = servedBounds(gbuffer, record, weight);
+    const float reach = (1.0f + kRounding) * weight.accuracy * record.radius;
+    const auto reached = [&](int x, int y) {
+        const vec3 d = vec3(gbuffer.position.at(x, y)) - record.position;
+        return glm::dot(d, d) < reach * reach && gbuffer.seen(y * gbuffer.width + x);
+    };
+    PixelRect rect{served.x1, served.y1, served.x0, served.y0};
+    for (int y = served.y0; y < served.y1; ++y) {
+        int first = served.x0;
+        while (first < served.x1 && !reached(first, y)) {
+            ++first;
+        }
+        if (first == served.x1) {
+            continue;
+        }
+        int end = served.x1;
+        while (end > rect.x1 && !reached(end - 1, y)) {
+            --end;
+        }
+        rect = {std::min(rect.x0, first), std::min(rect.y0, y), std::max(rect.x1, end), y + 1};
+    }
+    return rect.x0 < rect.x1 ? rect : PixelRect{};
+}
+
 }  // namespace sheen

@@ -84,6 +84,11 @@ PixelRect slabBounds(const View& view, int width, int height, const vec3& center
 /// The same for the region a record serves: nowhere else is its recordWeight() above 0.
 PixelRect servedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight);
 
+/// The least part of these bounds that holds the pixels whose points lie within the record's reach:
+/// on flat surfaces little more than it serves, where the above must allow for any surface. Looks
+/// at pixels, which pays where a pixel is to cost more than a look.
+PixelRect reachedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight);
+
 /// Whether a record of `record_order` serves pixels of `pixel_order`: its own class or a lower one.
 inline bool serves(int record_order, int pixel_order) {
     return pixel_order != kNoOrder && record_order >= pixel_order;
