@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene/brdf_albedo.h"
+#include "sh/brdf_sh.h"
 #include "sh/sh.h"
 #include "test_scenes.h"
 #include "test_stage.h"
@@ -65,7 +67,7 @@ TEST(Splat, GpuEqualsCpuForEveryOrder) {
     const Scene scene = glossyRoom(0.5f, 0.4f);
     TestStage stage(scene);
     const GBuffer g = stage.gbuffer(72, 60);
-    for (int order = 3; order <= 8; ++order) {
+    for (int order = 1; order <= shared::SH_MAX_ORDER; ++order) {
         const PixelClasses classes = classifyPixels(scene, g, order, false);
         ASSERT_GT(classes.diffuse, 100);
         ASSERT_GT(classes.geometry - classes.diffuse, 100);
@@ -203,8 +205,7 @@ TEST(PixelLobes, AConstantEnvironmentGivesTheAlbedo) {
             continue;
         }
         ++glossy;
-        const float convolved =
-            lobes.coefficients[static_cast<size_t>(lobes.first.pixels[p])] * std::sqrt(4.0f * kPi);
+        const float convolved = lobes.at(i, classes.orders.pixels[p]).c[0] * std::sqrt(4.0f * kPi);
         const vec3 found = lobes.scale.pixels[p] * convolved;
         const vec3 wo = glm::normalize(g.view.origin - vec3(g.position.pixels[p]));
         const vec2 ab = brdfAlbedo(glm::dot(vec3(g.normal.pixels[p]), wo), g.normal.pixels[p].w);
@@ -213,6 +214,50 @@ TEST(PixelLobes, AConstantEnvironmentGivesTheAlbedo) {
         EXPECT_LT(glm::length(found - expected), 0.005f * glm::length(expected));
     }
     EXPECT_GT(glossy, 200);
+}
+
+TEST(PixelLobes, KeepCoefficientsToHalfAStepAndZerosBehindThem) {
+    const Scene scene = glossyRoom(0.5f, 0.4f);
+    TestStage stage(scene);
+    const GBuffer g = stage.gbuffer(40, 40);
+    for (int order : {2, 4, 5, 10}) {
+        const PixelClasses classes = classifyPixels(scene, g, order, false);
+        const PixelLobes lobes = buildLobes(g, classes);
+        const int stored = shared::lobeGroupFirst(shared::lobeGroups(order));
+        ASSERT_GE(stored, order * order);
+        int glossy = 0;
+        for (int i = 0; i < 40 * 40; ++i) {
+            const auto p = static_cast<size_t>(i);
+            const int first = lobes.first.pixels[p];
+            if (first < 0) {
+                continue;
+            }
+            ASSERT_EQ(first, glossy * stored);
+            ++glossy;
+            const vec3 n(g.normal.pixels[p]);
+            const vec3 wo = glm::normalize(g.view.origin - vec3(g.position.pixels[p]));
+            const vec3 f0(g.f0.pixels[p]);
+            shared::ShVector exact;
+            BrdfRotator(order).rotate(brdfSh(glm::dot(n, wo), g.normal.pixels[p].w),
+                                      (f0.x + f0.y + f0.z) / 3.0f, g.diffuse.pixels[p].w, n, wo,
+                                      exact.c);
+            const float greatest =
+                std::abs(*std::max_element(exact.c, exact.c + order * order, [](float a, float b) {
+                    return std::abs(a) < std::abs(b);
+                }));
+            const shared::ShVector kept = lobes.at(i, order);
+            // Half a step, and single precision at thousands of steps.
+            const float rounding = 0.51f / shared::LOBE_STEPS;
+            for (int k = 0; k < order * order; ++k) {
+                ASSERT_NEAR(kept.c[k], exact.c[k] / greatest, rounding);
+            }
+            for (int k = order * order; k < stored; ++k) {
+                ASSERT_EQ(lobes.steps[static_cast<size_t>(first + k)], 0);
+            }
+        }
+        EXPECT_EQ(lobes.steps.size(), static_cast<size_t>(glossy * stored));
+        EXPECT_GT(glossy, 100);
+    }
 }
 
 // ---- Compose ------------------------------------------------------------------------------------
@@ -237,7 +282,7 @@ Composed composeFour(const std::array<vec4, 4>& irradiance, int order) {
     PixelClasses classes;
     classes.orders = Image<int>(4, 1, order);
     classes.by_rays = Image<uint8_t>(4, 1);
-    PixelLobes lobes{Image<int>(4, 1, order > 0 ? 0 : -1), {0.0f}, Image<vec3>(4, 1, vec3(1.0f))};
+    PixelLobes lobes{Image<int>(4, 1, order > 0 ? 0 : -1), {0}, Image<vec3>(4, 1, vec3(1.0f))};
     SplatBuffer splat{Image<vec4>(4, 1), Image<vec4>(4, 1)};
     splat.irradiance.pixels.assign(irradiance.begin(), irradiance.end());
     if (order > 0) {

@@ -1,5 +1,7 @@
 #include "cache/lobes.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "cache/record.h"
@@ -7,6 +9,32 @@
 #include "sh/brdf_sh.h"
 
 namespace sheen {
+namespace {
+
+// Writes coefficients as steps and returns the greatest one's magnitude.
+float quantise(const float* coefficients, int count, int16_t* steps) {
+    float greatest = 0.0f;
+    for (int i = 0; i < count; ++i) {
+        greatest = std::max(greatest, std::abs(coefficients[i]));
+    }
+    const float scale = greatest > 0.0f ? shared::LOBE_STEPS / greatest : 0.0f;
+    for (int i = 0; i < count; ++i) {
+        const float step = scale * coefficients[i];
+        steps[i] = static_cast<int16_t>(step + (step < 0.0f ? -0.5f : 0.5f));
+    }
+    return greatest;
+}
+
+}  // namespace
+
+shared::ShVector PixelLobes::at(int pixel, int order) const {
+    shared::ShVector lobe;
+    const int16_t* from = &steps[static_cast<size_t>(first.pixels[static_cast<size_t>(pixel)])];
+    for (int i = 0; i < order * order; ++i) {
+        lobe.c[i] = static_cast<float>(from[i]) / shared::LOBE_STEPS;
+    }
+    return lobe;
+}
 
 PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes) {
     PixelLobes lobes;
@@ -18,11 +46,11 @@ PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes) {
         const int order = classes.orders.pixels[static_cast<size_t>(i)];
         if (order > shared::DIFFUSE_ORDER) {
             lobes.first.pixels[static_cast<size_t>(i)] = total;
-            total += order * order;
+            total += shared::lobeGroupFirst(shared::lobeGroups(order));
             rotators.try_emplace(order, order);
         }
     }
-    lobes.coefficients.resize(static_cast<size_t>(total));
+    lobes.steps.resize(static_cast<size_t>(total));
     parallelFor(gbuffer.height, [&](int y) {
         for (int x = 0; x < gbuffer.width; ++x) {
             const int first = lobes.first.at(x, y);
@@ -37,13 +65,17 @@ PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes) {
             const float f90 = gbuffer.diffuse.at(x, y).w;
             const float mean_f0 = (f0.x + f0.y + f0.z) / 3.0f;
             const BrdfShSample lobe = brdfSh(NoV, normal.w);
-            rotators.at(classes.orders.at(x, y))
-                .rotate(lobe, mean_f0, f90, n, wo, &lobes.coefficients[static_cast<size_t>(first)]);
+            const int order = classes.orders.at(x, y);
+            shared::ShVector coefficients;
+            rotators.at(order).rotate(lobe, mean_f0, f90, n, wo, coefficients.c);
+            const float greatest =
+                quantise(coefficients.c, order * order, &lobes.steps[static_cast<size_t>(first)]);
             const float albedo_a = lobe.a[0];
             const float albedo_b = lobe.b[0];
             const float mean_albedo = mean_f0 * albedo_a + f90 * albedo_b;
             lobes.scale.at(x, y) =
-                mean_albedo > 0.0f ? (f0 * albedo_a + vec3(f90 * albedo_b)) / mean_albedo : vec3(0);
+                mean_albedo > 0.0f ? greatest / mean_albedo * (f0 * albedo_a + vec3(f90 * albedo_b))
+                                   : vec3(0);
         }
     });
     return lobes;

@@ -444,8 +444,8 @@ float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
     if (order == shared::DIFFUSE_ORDER) {
         return luminance(irradiance);
     }
-    const float* lobe = &lobes.coefficients[static_cast<size_t>(lobes.first.pixels[i])];
-    const vec3 specular = glm::max(convolveRecord(record, sh, lobe, order, p), vec3(0.0f));
+    const shared::ShVector lobe = lobes.at(pixel, order);
+    const vec3 specular = glm::max(convolveRecord(record, sh, lobe.c, order, p), vec3(0.0f));
     return luminance(vec3(gbuffer.diffuse.pixels[i]) * irradiance / kPi +
                      lobes.scale.pixels[i] * specular);
 }

@@ -9,6 +9,7 @@
     X(PFNGLBINDBUFFERBASEPROC, glBindBufferBase)                                   \
     X(PFNGLBINDBUFFERPROC, glBindBuffer)                                           \
     X(PFNGLBINDFRAMEBUFFERPROC, glBindFramebuffer)                                 \
+    X(PFNGLBINDIMAGETEXTUREPROC, glBindImageTexture)                               \
     X(PFNGLBINDTEXTUREUNITPROC, glBindTextureUnit)                                 \
     X(PFNGLBINDVERTEXARRAYPROC, glBindVertexArray)                                 \
     X(PFNGLBLENDFUNCPROC, glBlendFunc)                                             \
@@ -32,6 +33,7 @@
     X(PFNGLDELETETEXTURESPROC, glDeleteTextures)                                   \
     X(PFNGLDELETEVERTEXARRAYSPROC, glDeleteVertexArrays)                           \
     X(PFNGLDEPTHFUNCPROC, glDepthFunc)                                             \
+    X(PFNGLDEPTHMASKPROC, glDepthMask)                                             \
     X(PFNGLDISABLEPROC, glDisable)                                                 \
     X(PFNGLDRAWARRAYSINSTANCEDBASEINSTANCEPROC, glDrawArraysInstancedBaseInstance) \
     X(PFNGLDRAWARRAYSPROC, glDrawArrays)                                           \
@@ -67,6 +69,7 @@
     X(PFNGLREADPIXELSPROC, glReadPixels)                                           \
     X(PFNGLSCISSORPROC, glScissor)                                                 \
     X(PFNGLSHADERSOURCEPROC, glShaderSource)                                       \
+    X(PFNGLTEXTUREBUFFERPROC, glTextureBuffer)                                     \
     X(PFNGLTEXTUREPARAMETERIPROC, glTextureParameteri)                             \
     X(PFNGLTEXTURESTORAGE2DPROC, glTextureStorage2D)                               \
     X(PFNGLTEXTURESTORAGE3DPROC, glTextureStorage3D)                               \

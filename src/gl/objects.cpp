@@ -31,6 +31,13 @@ Texture makeTexture2dArray(GLenum format, int width, int height, int layers) {
     return texture;
 }
 
+Texture makeBufferTexture(GLenum format, const Buffer& buffer) {
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, &name);
+    glTextureBuffer(name, format, buffer.name());
+    return Texture(name);
+}
+
 Framebuffer makeFramebuffer(std::span<const GLuint> colors, GLuint depth) {
     GLuint name = 0;
     glCreateFramebuffers(1, &name);

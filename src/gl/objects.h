@@ -66,6 +66,9 @@ Texture makeTexture2d(GLenum format, int width, int height);
 /// The same with layers.
 Texture makeTexture2dArray(GLenum format, int width, int height, int layers);
 
+/// What a buffer holds, as a texture of one row of texels.
+Texture makeBufferTexture(GLenum format, const Buffer& buffer);
+
 /// A framebuffer of colour attachments 0.. and an optional depth attachment (0: none).
 /// Checked complete.
 Framebuffer makeFramebuffer(std::span<const GLuint> colors, GLuint depth);

@@ -12,6 +12,9 @@ SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const 
             const vec4 position = gbuffer.position.at(x, y);
             const vec3 p(position);
             const vec3 n(gbuffer.normal.at(x, y));
+            const shared::ShVector lobe = order > shared::DIFFUSE_ORDER
+                                              ? lobes.at(y * gbuffer.width + x, order)
+                                              : shared::ShVector{};
             for (const Record& k : cache.records) {
                 if (!serves(k.order, order)) {
                     continue;
@@ -23,11 +26,9 @@ SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const 
                 }
                 result.irradiance.at(x, y) += vec4(w * shared::recordIrradiance(k, p, n), w);
                 if (order > shared::DIFFUSE_ORDER) {
-                    const float* lobe =
-                        &lobes.coefficients[static_cast<size_t>(lobes.first.at(x, y))];
                     const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
                     result.specular.at(x, y) +=
-                        vec4(w * convolveRecord(k, sh, lobe, order, p), 0.0f);
+                        vec4(w * convolveRecord(k, sh, lobe.c, order, p), 0.0f);
                 }
             }
         }

@@ -1,20 +1,190 @@
+// Passes of instanced quads with floating-point blending: one for irradiance, one for each group of
+// coefficients of the specular lobes (shared/lobe.glsl). Classes are compared by the depth test.
+#include <algorithm>
+#include <cstring>
+#include <functional>
+
+#include "core/error.h"
+#include "core/parallel.h"
 #include "gl/program.h"
 #include "splat/splat.h"
 
 namespace sheen {
 namespace {
 
-// How a pass draws: which pixels, and which records may serve them.
-void drawPass(const gl::Program& program, const GBuffer& gbuffer, const WeightParams& weight,
-              int records) {
+using glm::uvec4;
+
+// Components that the largest pass hands from a quad's vertices to its fragments. OpenGL promises
+// 60; what runs 4.5 has 120 or more.
+constexpr int kVaryingComponents = 120;
+
+// Draws records of at least an order onto pixels of at least that order.
+struct Pass {
+    const char* fragment;
+    std::vector<std::string> defines;
+    int least_order;
+    int values;  // vec4s a quad carries
+    std::function<void(const Record&, vec4*)> fill;
+};
+
+Pass irradiancePass() {
+    constexpr int kRecordValues = sizeof(Record) / sizeof(vec4);
+    return {.fragment = "splat/irradiance.frag",
+            .defines = {fmt::format("VALUES {}", kRecordValues)},
+            .least_order = shared::DIFFUSE_ORDER,
+            .values = kRecordValues,
+            .fill = [](const Record& k, vec4* to) { std::memcpy(to, &k, sizeof(Record)); }};
+}
+
+// Coefficients as convolve() in specular.frag takes them: of every eight the even ones, then the
+// odd ones.
+void copyCoefficients(const float* from, int count, vec4* to) {
+    for (int i = 0; i < count; ++i) {
+        to[i / 8 * 2 + i % 2][i % 8 / 2] = from[i];
+    }
+}
+
+Pass specularPass(const RecordCache& cache, int group) {
+    static_assert(kShGradientOrder == 3, "specular.frag has nine gradients");
+    const int first = shared::lobeGroupFirst(group);
+    const int size = shared::lobeGroupFirst(group + 1) - first;
+    const int head = group == 0 ? 3 : 2;
+    const int values = head + 3 * size / 4 + (group == 0 ? 14 : 0);
+    int least_order = shared::DIFFUSE_ORDER + 1;
+    while (least_order * least_order <= first) {
+        ++least_order;
+    }
+    const auto fill = [=, &cache](const Record& k, vec4* to) {
+        const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
+        const ShLayout layout = shLayout(k.order);
+        to[0] = vec4(k.position, k.radius);
+        to[1] = vec4(k.normal, first / 8);
+        if (group == 0) {
+            to[2] = vec4(k.tangent, 0.0f);
+        }
+        to += head;
+        for (int c = 0; c < 3; ++c, to += size / 4) {
+            copyCoefficients(sh + c * layout.coefficients() + first,
+                             std::min(size, layout.coefficients() - first), to);
+        }
+        for (int c = 0; c < 6 && group == 0; ++c) {
+            const float* from =
+                sh + layout.gradientFirst(c / 3) + c % 3 * layout.gradientCoefficients();
+            copyCoefficients(from, std::min(8, layout.gradientCoefficients()), to + 2 * c);
+            if (layout.gradientCoefficients() > 8) {
+                to[12 + c / 3][c % 3] = from[8];
+            }
+        }
+    };
+    return {
+        .fragment = "splat/specular.frag",
+        .defines = {fmt::format("VALUES {}", values), fmt::format("GROUP {}", std::min(group, 1))},
+        .least_order = least_order,
+        .values = values,
+        .fill = fill};
+}
+
+// The depth test passes where a quad's depth is greater than the pixel's: a record's class serves
+// its own and lower ones. Depths lie half a class apart, and whom nothing serves is at 1.
+float classDepth(float order) { return (order + 1.0f) / (shared::SH_MAX_ORDER + 2.0f); }
+
+Image<float> pixelDepths(const PixelClasses& classes, int least_order) {
+    Image<float> depths(classes.orders.width, classes.orders.height, 1.0f);
+    for (size_t i = 0; i < depths.pixels.size(); ++i) {
+        const int order = classes.orders.pixels[i];
+        if (order >= least_order) {
+            depths.pixels[i] = classDepth(static_cast<float>(order) - 0.5f);
+        }
+    }
+    return depths;
+}
+
+// Corners of the records' quads in clip space.
+std::vector<vec4> clipBounds(const GBuffer& gbuffer, const RecordCache& cache,
+                             const WeightParams& weight) {
+    constexpr int kGrain = 64;
+    const vec4 size(gbuffer.width, gbuffer.height, gbuffer.width, gbuffer.height);
+    std::vector<vec4> bounds(cache.records.size());
+    parallelFor(
+        static_cast<int>(bounds.size()),
+        [&](int i) {
+            const auto k = static_cast<size_t>(i);
+            const PixelRect r = reachedBounds(gbuffer, cache.records[k], weight);
+            bounds[k] = vec4(r.x0, r.y0, r.x1, r.y1) / size * 2.0f - 1.0f;
+        },
+        kGrain);
+    return bounds;
+}
+
+struct Quads {
+    int count = 0;
+    std::vector<vec4> data;  // see quad.vert
+};
+
+Quads makeQuads(const Pass& pass, const RecordCache& cache, const std::vector<vec4>& bounds) {
+    Quads quads;
+    for (size_t i = 0; i < bounds.size(); ++i) {
+        const Record& k = cache.records[i];
+        if (k.order < pass.least_order) {
+            continue;
+        }
+        const size_t first = quads.data.size();
+        quads.data.resize(first + 2 + static_cast<size_t>(pass.values));
+        quads.data[first] = bounds[i];
+        quads.data[first + 1].x = classDepth(static_cast<float>(k.order));
+        pass.fill(k, &quads.data[first + 2]);
+        ++quads.count;
+    }
+    return quads;
+}
+
+// Normals beside the texels at which lobes begin.
+Image<uvec4> packNormals(const GBuffer& gbuffer, const PixelLobes& lobes) {
+    Image<uvec4> packed(gbuffer.width, gbuffer.height);
+    parallelFor(gbuffer.height, [&](int y) {
+        for (int x = 0; x < gbuffer.width; ++x) {
+            packed.at(x, y) = uvec4(glm::floatBitsToUint(vec3(gbuffer.normal.at(x, y))),
+                                    std::max(lobes.first.at(x, y), 0) / 8);
+        }
+    });
+    return packed;
+}
+
+// A sum to splat into, with the pixels' classes as its depths.
+struct Target {
+    gl::Texture sum;
+    gl::Texture depth;
+    gl::Framebuffer framebuffer;
+
+    Target(int width, int height)
+        : sum(gl::makeTexture2d(GL_RGBA32F, width, height)),
+          depth(gl::makeTexture2d(GL_DEPTH_COMPONENT32F, width, height)) {
+        const GLuint colors[] = {sum.name()};
+        framebuffer = gl::makeFramebuffer(colors, depth.name());
+        const float zero[4] = {};
+        gl::glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, 0, zero);
+    }
+
+    void read(Image<vec4>& image) const {
+        using namespace gl;
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+        glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_FLOAT, image.pixels.data());
+        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    }
+};
+
+void drawPass(const Pass& pass, const gl::Program& program, const PixelClasses& classes,
+              const Quads& quads, const Target& target) {
     using namespace gl;
+    const Image<float> depths = pixelDepths(classes, pass.least_order);
+    glTextureSubImage2D(target.depth.name(), 0, 0, 0, depths.width, depths.height,
+                        GL_DEPTH_COMPONENT, GL_FLOAT, depths.pixels.data());
+    const Buffer buffer = makeBuffer(std::span<const vec4>(quads.data));
+    const gl::Texture texture = makeBufferTexture(GL_RGBA32F, buffer);
+    glBindTextureUnit(0, texture.name());
+    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
     program.use();
-    program.set("image_size", vec2(gbuffer.width, gbuffer.height));
-    program.set("pixel_angle", gbuffer.pixel_angle);
-    program.set("accuracy", weight.accuracy);
-    program.set("normal_weight", weight.normal_weight);
-    program.set("slab", weight.slab);
-    glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, records, 0);
+    glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, quads.count, 0);
 }
 
 }  // namespace
@@ -26,76 +196,65 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
     const int width = gbuffer.width;
     const int height = gbuffer.height;
     SplatBuffer result{Image<vec4>(width, height), Image<vec4>(width, height)};
-    Image<vec4> normals = gbuffer.normal;
-    bool any_glossy = false;
-    for (size_t i = 0; i < normals.pixels.size(); ++i) {
-        normals.pixels[i].w = static_cast<float>(classes.orders.pixels[i]);
-        any_glossy |= classes.orders.pixels[i] > shared::DIFFUSE_ORDER;
+    if (cache.records.empty()) {
+        return result;
     }
-    std::vector<glm::ivec4> rects;
-    std::vector<glm::ivec4> glossy_rects;  // of records without harmonics an empty rectangle
-    for (const Record& r : cache.records) {
-        const PixelRect b = servedBounds(gbuffer, r, weight);
-        rects.emplace_back(b.x0, b.y0, b.x1, b.y1);
-        glossy_rects.push_back(r.order > shared::DIFFUSE_ORDER ? rects.back() : glm::ivec4(0));
+    const std::vector<int>& orders = classes.orders.pixels;
+    const int greatest_order = *std::max_element(orders.begin(), orders.end());
+    std::vector<Pass> passes = {irradiancePass()};
+    for (int i = 0;
+         greatest_order > shared::DIFFUSE_ORDER && i < shared::lobeGroups(greatest_order); ++i) {
+        passes.push_back(specularPass(cache, i));
     }
-    const auto records = static_cast<int>(cache.records.size());
+    const std::vector<vec4> bounds = clipBounds(gbuffer, cache, weight);
+    const Image<uvec4> normals = packNormals(gbuffer, lobes);
     pool.runOnFirst([&] {
-        if (records == 0) {
-            return;
+        GLint components = 0;
+        glGetIntegerv(GL_MAX_VARYING_COMPONENTS, &components);
+        if (components < kVaryingComponents) {
+            throwEnvironment("OpenGL: {} varying components where splatting takes {}", components,
+                             kVaryingComponents);
         }
-        const Buffer record_buffer = makeBuffer(std::span<const Record>(cache.records));
-        const Buffer rect_buffer = makeBuffer(std::span<const glm::ivec4>(rects));
-        const Buffer glossy_rect_buffer = makeBuffer(std::span<const glm::ivec4>(glossy_rects));
-        const Buffer sh_buffer = makeBuffer(std::span<const float>(cache.sh));
-        const Buffer lobe_buffer = makeBuffer(std::span<const float>(lobes.coefficients));
-        const auto upload = [&](GLenum internal, GLenum format, GLenum type, const void* data) {
-            gl::Texture texture = makeTexture2d(internal, width, height);
-            glTextureSubImage2D(texture.name(), 0, 0, 0, width, height, format, type, data);
-            return texture;
+        const gl::Texture position_texture = makeTexture2d(GL_RGBA32F, width, height);
+        const gl::Texture normal_texture = makeTexture2d(GL_RGBA32UI, width, height);
+        glTextureSubImage2D(position_texture.name(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT,
+                            gbuffer.position.pixels.data());
+        glTextureSubImage2D(normal_texture.name(), 0, 0, 0, width, height, GL_RGBA_INTEGER,
+                            GL_UNSIGNED_INT, normals.pixels.data());
+        const Buffer lobe_buffer = makeBuffer(std::span<const int16_t>(lobes.steps));
+        const gl::Texture lobe_texture = makeBufferTexture(GL_RGBA32I, lobe_buffer);
+        const auto bind = [](GLuint unit, const gl::Texture& texture, GLenum format) {
+            glBindImageTexture(unit, texture.name(), 0, GL_FALSE, 0, GL_READ_ONLY, format);
         };
-        const gl::Texture positions =
-            upload(GL_RGBA32F, GL_RGBA, GL_FLOAT, gbuffer.position.pixels.data());
-        const gl::Texture normal = upload(GL_RGBA32F, GL_RGBA, GL_FLOAT, normals.pixels.data());
-        const gl::Texture first =
-            upload(GL_R32I, GL_RED_INTEGER, GL_INT, lobes.first.pixels.data());
-        const gl::Texture irradiance = makeTexture2d(GL_RGBA32F, width, height);
-        const gl::Texture specular = makeTexture2d(GL_RGBA32F, width, height);
-        const GLuint targets[] = {irradiance.name(), specular.name()};
-        const Framebuffer framebuffer = makeFramebuffer(targets, 0);
+        bind(0, position_texture, GL_RGBA32F);
+        bind(1, normal_texture, GL_RGBA32UI);
+        bind(2, lobe_texture, GL_RGBA32I);
+        const Target irradiance(width, height);
+        const Target specular(width, height);
         const VertexArray empty = makeVertexArray();
-        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+        glBindVertexArray(empty.name());
         glViewport(0, 0, width, height);
-        const float zero[4] = {};
-        glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, 0, zero);
-        glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, 1, zero);
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
-        glBindVertexArray(empty.name());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, record_buffer.name());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, rect_buffer.name());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, sh_buffer.name());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, lobe_buffer.name());
-        glBindTextureUnit(0, positions.name());
-        glBindTextureUnit(1, normal.name());
-        glBindTextureUnit(2, first.name());
-        const Program diffuse("splat/splat.vert", "splat/splat.frag", {"GLOSSY 0"});
-        drawPass(diffuse, gbuffer, weight, records);
-        Program glossy;
-        if (any_glossy) {
-            glossy = Program("splat/splat.vert", "splat/splat.frag",
-                             {"GLOSSY 1", fmt::format("SH_GRADIENT_ORDER {}", kShGradientOrder)});
-            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, glossy_rect_buffer.name());
-            drawPass(glossy, gbuffer, weight, records);
+        glEnable(GL_DEPTH_TEST);
+        glDepthMask(GL_FALSE);
+        Program program;
+        std::vector<std::string> program_defines;
+        for (const Pass& pass : passes) {
+            if (pass.defines != program_defines) {
+                program = Program("splat/quad.vert", pass.fragment, pass.defines);
+                program.set("weight", vec4(weight.accuracy, weight.normal_weight, weight.slab,
+                                           gbuffer.pixel_angle));
+                program_defines = pass.defines;
+            }
+            drawPass(pass, program, classes, makeQuads(pass, cache, bounds),
+                     pass.least_order == shared::DIFFUSE_ORDER ? irradiance : specular);
         }
+        glDepthMask(GL_TRUE);
+        glDisable(GL_DEPTH_TEST);
         glDisable(GL_BLEND);
-        Image<vec4>* images[] = {&result.irradiance, &result.specular};
-        for (int i = 0; i < 2; ++i) {
-            glNamedFramebufferReadBuffer(framebuffer.name(),
-                                         GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
-            glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, images[i]->pixels.data());
-        }
-        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+        irradiance.read(result.irradiance);
+        specular.read(result.specular);
     });
     return result;
 }
