@@ -162,16 +162,12 @@ def project_table(one, every):
                   for name, row in one.items() if name.startswith("project/")])
 
 
-# Of an accepted fragment: G-buffer read, two targets read and written, RGBA of 32-bit floats.
-FRAGMENT_BYTES = 16 * (2 + 2 * 2)
-
-
 def splat_table(one, rows_of):
     rows = []
     for name, row in rows_of.items():
         if not name.startswith("splat/"):
             continue
-        drawn = row["net_accepted_per_s"] * FRAGMENT_BYTES
+        drawn = row["net_accepted_per_s"] * row["fragment_bytes"]
         bandwidth = rows_of["triad"]["bytes_per_s"] if "triad" in rows_of else math.inf
         rows.append([order_name(name), count(row["records"]),
                      figure(row["real_time"]), figure(row["fixed_ms"]),

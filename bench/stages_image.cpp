@@ -59,16 +59,24 @@ void place(State& state, Setup& setup, int order, int count) {
         benchmark::Counter(placed, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-// Pixels of the quads that splatGpu() draws, in one pass for diffuse pixels and one for the others
-// where there are any.
-double shadedFragments(const GBuffer& gbuffer, const RecordCache& cache, const WeightParams& weight,
-                       int order) {
+// Pixels of the quads that a pass of splatGpu() draws.
+double shadedFragments(const GBuffer& gbuffer, const RecordCache& cache,
+                       const WeightParams& weight) {
     double area = 0.0;
     for (const Record& r : cache.records) {
-        const PixelRect b = servedBounds(gbuffer, r, weight);
+        const PixelRect b = reachedBounds(gbuffer, r, weight);
         area += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
     }
-    return order > shared::DIFFUSE_ORDER ? 2.0 * area : area;
+    return area;
+}
+
+// What all passes read and write for an accepted fragment: each the G-buffer and a sum, RGBA of
+// 32-bit floats, and together the pixel's lobe.
+double fragmentBytes(int order) {
+    constexpr double kPass = 16.0 * (2 + 2);
+    return order > shared::DIFFUSE_ORDER
+               ? (1 + shared::lobeGroups(order)) * kPass + 2.0 * order * order
+               : kPass;
 }
 
 // Splats all records, and one alone: what it takes is what any splat takes before its first
@@ -102,7 +110,8 @@ void splat(State& state, Setup& setup, int order) {
     state.counters["fixed_ms"] = 1e3 * fixed / times;
     state.counters["accepted_per_s"] = accepted * times / whole;
     state.counters["net_accepted_per_s"] = accepted * times / (whole - fixed);
-    state.counters["accepted_share"] = accepted / shadedFragments(gbuffer, all, weight, order);
+    state.counters["accepted_share"] = accepted / shadedFragments(gbuffer, all, weight);
+    state.counters["fragment_bytes"] = fragmentBytes(order);
 }
 
 // a = b + s c over arrays larger than caches: the memory's bandwidth, counted as in STREAM.
