@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "cache/record.h"
+#include "core/error.h"
 #include "core/parallel.h"
 #include "sh/brdf_sh.h"
 
@@ -41,16 +43,20 @@ PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes) {
     lobes.first = Image<int>(gbuffer.width, gbuffer.height, -1);
     lobes.scale = Image<vec3>(gbuffer.width, gbuffer.height);
     std::map<int, BrdfRotator> rotators;
-    int total = 0;
+    size_t total = 0;
     for (int i = 0; i < gbuffer.width * gbuffer.height; ++i) {
         const int order = classes.orders.pixels[static_cast<size_t>(i)];
         if (order > shared::DIFFUSE_ORDER) {
-            lobes.first.pixels[static_cast<size_t>(i)] = total;
-            total += shared::lobeGroupFirst(shared::lobeGroups(order));
+            lobes.first.pixels[static_cast<size_t>(i)] = static_cast<int>(total);
+            total += static_cast<size_t>(shared::lobeGroupFirst(shared::lobeGroups(order)));
             rotators.try_emplace(order, order);
         }
     }
-    lobes.steps.resize(static_cast<size_t>(total));
+    if (total > static_cast<size_t>(std::numeric_limits<int>::max())) {
+        throwEnvironment("the lobes of glossy pixels have {} coefficients; render a smaller image",
+                         total);
+    }
+    lobes.steps.resize(total);
     parallelFor(gbuffer.height, [&](int y) {
         for (int x = 0; x < gbuffer.width; ++x) {
             const int first = lobes.first.at(x, y);

@@ -18,6 +18,18 @@ using glm::uvec4;
 // 60; what runs 4.5 has 120 or more.
 constexpr int kVaryingComponents = 120;
 
+// What lies in texture buffers must fit: reads beyond their end are silently zero.
+void checkTexels(size_t bytes, const char* what) {
+    GLint limit = 0;
+    gl::glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
+    const size_t texels = bytes / sizeof(vec4);
+    if (texels > static_cast<size_t>(limit)) {
+        throwEnvironment(
+            "OpenGL: {} take {} texels where a buffer holds {}; render a smaller image", what,
+            texels, limit);
+    }
+}
+
 // Draws records of at least an order onto pixels of at least that order.
 struct Pass {
     const char* fragment;
@@ -179,6 +191,7 @@ void drawPass(const Pass& pass, const gl::Program& program, const PixelClasses& 
     const Image<float> depths = pixelDepths(classes, pass.least_order);
     glTextureSubImage2D(target.depth.name(), 0, 0, 0, depths.width, depths.height,
                         GL_DEPTH_COMPONENT, GL_FLOAT, depths.pixels.data());
+    checkTexels(quads.data.size() * sizeof(vec4), "records");
     const Buffer buffer = makeBuffer(std::span<const vec4>(quads.data));
     const gl::Texture texture = makeBufferTexture(GL_RGBA32F, buffer);
     glBindTextureUnit(0, texture.name());
@@ -221,6 +234,7 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
                             gbuffer.position.pixels.data());
         glTextureSubImage2D(normal_texture.name(), 0, 0, 0, width, height, GL_RGBA_INTEGER,
                             GL_UNSIGNED_INT, normals.pixels.data());
+        checkTexels(lobes.steps.size() * sizeof(int16_t), "the lobes of glossy pixels");
         const Buffer lobe_buffer = makeBuffer(std::span<const int16_t>(lobes.steps));
         const gl::Texture lobe_texture = makeBufferTexture(GL_RGBA32I, lobe_buffer);
         const auto bind = [](GLuint unit, const gl::Texture& texture, GLenum format) {
