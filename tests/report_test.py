@@ -137,7 +137,7 @@ class Report(unittest.TestCase):
 
     def test_clicking_another_scene_shows_it(self):
         self.pointer_to(1, 2, 2).click().perform()
-        self.assertIn("document.title", self.id("inspector-title").text)
+        self.eventually(lambda: "document.title" in self.id("inspector-title").text, True)
         self.eventually(self.chosen, (REFERENCE, "8"))
         self.assertEqual(self.image("right"), self.embedded(1, 8))
 

@@ -31,7 +31,7 @@ struct PlacementParams {
     float disagreement = 0.2f;    ///< times `accuracy`: relative error at which a record's reach
                                   ///< should end, as judged by its neighbours; 0: not asked
     int batch = 64;               ///< sites chosen and gathered at once
-    int coarsest_stride = 16;     ///< of the grids that are scanned: a power of two
+    int coarsest_stride = 32;     ///< of the grids that are scanned: a power of two
     float gradient_limit = 0.5f;  ///< greatest extrapolated change relative to the value
 
     float overlap = 1.5f;  ///< how much farther records serve than they were placed for
