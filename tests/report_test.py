@@ -45,6 +45,18 @@ class Report(unittest.TestCase):
 
     def setUp(self):
         self.driver.get(self.url)
+        # Charts take their sizes from the page some frames after it is there; what is pointed at
+        # before that moves away.
+        self.driver.execute_async_script("""const done = arguments[0];
+            let still = 0, before = '';
+            const look = () => {
+                const boxes = JSON.stringify([...document.querySelectorAll('canvas')].map(
+                    canvas => canvas.getBoundingClientRect()));
+                still = boxes === before ? still + 1 : 0;
+                before = boxes;
+                still < 10 ? requestAnimationFrame(look) : done();
+            };
+            look();""")
 
     def tearDown(self):
         self.assertEqual(self.driver.get_log("browser"), [])
