@@ -72,6 +72,7 @@ TEST(Creases, AreServedByRecordsThatReachNoFarther) {
     const PlacementParams params;
     const Placement placement = place(stage, params);
     expectCovered(stage, params, placement);
+    ASSERT_GT(count(creases), 0);
     for (int i = 0; i < kWidth * kHeight; ++i) {
         if (creases.pixels[static_cast<size_t>(i)] == 0) {
             continue;
@@ -80,7 +81,9 @@ TEST(Creases, AreServedByRecordsThatReachNoFarther) {
         const float footprint = p.w * stage.gbuffer.pixel_angle;
         bool near = false;
         for (const Record& r : placement.cache.records) {
-            near = near || glm::length(r.position - vec3(p)) < 1.5f * params.min_pixels * footprint;
+            const float reach = params.accuracy * r.radius;
+            near |= reach < 1.11f * params.min_pixels * footprint &&
+                    glm::length(r.position - vec3(p)) < reach;
         }
         ASSERT_TRUE(near) << "pixel " << i;
     }

@@ -7,7 +7,8 @@ layout(binding = 0, rgba32f) readonly uniform image2D positions;  // w: depth
 layout(binding = 1, rgba32ui) readonly uniform uimage2D normals;  // bits of floats; w: first texel
                                                                   // of the pixel's lobe
 flat in vec4 weight_params;   // accuracy, normal_weight, slab, pixel_angle
-flat in vec4 values[VALUES];  // position, radius; normal, -; then what the pass needs
+flat in vec4 values[VALUES];  // position, radius; normal, and of specular passes the
+                              // group's first texel; then what the pass needs
 
 struct Pixel {
     vec3 position;

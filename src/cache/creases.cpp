@@ -22,9 +22,11 @@ Image<uint8_t> findCreases(const GBuffer& gbuffer) {
     const auto stands_before = [&](const vec4& position, const vec3& normal, int x, int y) {
         const vec4& other = gbuffer.position.at(x, y);
         const vec3 way = vec3(other) - vec3(position);
-        const float length = glm::length(way);
-        return other.w > 0.0f && length < kFarthest * position.w * gbuffer.pixel_angle &&
-               glm::dot(way, normal) > kSteepness * length &&
+        const float height = glm::dot(way, normal);
+        const float farthest = kFarthest * position.w * gbuffer.pixel_angle;
+        const float length2 = glm::dot(way, way);
+        return height > 0.0f && height * height > kSteepness * kSteepness * length2 &&
+               length2 < farthest * farthest && other.w > 0.0f &&
                glm::dot(vec3(gbuffer.normal.at(x, y)), normal) > kParallel;
     };
     parallelFor(gbuffer.height, [&](int y) {

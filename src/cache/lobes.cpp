@@ -13,10 +13,15 @@
 namespace sheen {
 namespace {
 
-// Writes coefficients as steps and returns the greatest one's magnitude.
+// Writes coefficients as steps and returns the greatest one's magnitude; not a number where one is
+// not, which compose() counts.
 float quantise(const float* coefficients, int count, int16_t* steps) {
     float greatest = 0.0f;
     for (int i = 0; i < count; ++i) {
+        if (!std::isfinite(coefficients[i])) {
+            std::fill(steps, steps + count, int16_t{0});
+            return std::numeric_limits<float>::quiet_NaN();
+        }
         greatest = std::max(greatest, std::abs(coefficients[i]));
     }
     const float scale = greatest > 0.0f ? shared::LOBE_STEPS / greatest : 0.0f;

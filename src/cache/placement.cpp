@@ -80,7 +80,7 @@ class Placer {
         const float pixels = crease ? params_.min_pixels : params_.max_pixels;
         return pixels * footprint(i) / params_.accuracy;
     }
-    // A crease is served only by what lies in creases, or reaches no farther.
+    // A crease counts as served only by records that reach hardly farther than the least.
     bool mayServe(const Record& record, size_t i) const {
         return creases_.pixels[i] == 0 ||
                record.radius <= kCreaseReach * greatestRadius(static_cast<int>(i));

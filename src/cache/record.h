@@ -15,7 +15,7 @@ namespace sheen {
 
 using shared::Record;
 using shared::WeightParams;
-static_assert(sizeof(Record) == 10 * 16, "Record is uploaded as a std430 array");
+static_assert(sizeof(Record) == 10 * 16, "irradiance.frag takes a Record as ten vec4s");
 
 /// Where the light that a record sees changes within a texel. `strength`: by how much, twice its
 /// standard deviation there, in units of what a texel of that record brings on average.

@@ -34,7 +34,7 @@ struct Comparison {
     /// below half, or 99%, of all samples. The reference's noise is included.
     double median = 0, p99 = 0, max = 0;
     /// The median and p99 that a perfect image would have, whose errors are the reference's noise,
-    /// taken as normal with variance V: the most that judging by this reference can show.
+    /// taken as normal with variance V: by this reference no image can be shown to be better.
     double noise_median = 0, noise_p99 = 0;
     /// Largest over the tiles of 16 x 16 pixels, counted from the top left and cut by the image's
     /// edge, of sqrt(max(0, tile mean of (a-b)^2 - V)) / (tile mean of b + 5% of mean b).

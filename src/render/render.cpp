@@ -123,6 +123,7 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
                             params.height);
     classes = classifyPixels(scene, gbuffer, params.sh_order, params.method == Method::kIrradiance);
     lobes = buildLobes(gbuffer, classes);
+    checkSplat(pool, lobes);
     seconds.gbuffer = gbuffer_timer.seconds();
 
     const Timer gather_timer;

@@ -21,7 +21,11 @@ struct SplatBuffer {
     Image<vec4> specular;    ///< weight * lobe convolved, before PixelLobes::scale; w: unused
 };
 
-/// On the GPU: one quad a record, floating-point blending.
+/// Environment error where OpenGL's limits are too small for splatGpu() with these lobes: to be
+/// known before anything is gathered.
+void checkSplat(gl::WorkerPool& pool, const PixelLobes& lobes);
+
+/// On the GPU: one quad a record, floating-point blending. checkSplat() must have passed.
 SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelClasses& classes,
                      const PixelLobes& lobes, const RecordCache& cache, const WeightParams& weight);
 

@@ -14,9 +14,9 @@ namespace {
 
 using glm::uvec4;
 
-// Components that the largest pass hands from a quad's vertices to its fragments. OpenGL promises
-// 60; what runs 4.5 has 120 or more.
-constexpr int kVaryingComponents = 120;
+// vec4s that the largest pass, that of the first group, hands from a quad's vertices to its
+// fragments: its values and the weight's parameters. OpenGL promises 15; what runs 4.5 has 30.
+constexpr int kVaryings = 3 + 3 * shared::LOBE_FIRST_GROUP / 4 + 14 + 1;
 
 // What lies in texture buffers must fit: reads beyond their end are silently zero.
 void checkTexels(size_t bytes, const char* what) {
@@ -58,6 +58,8 @@ void copyCoefficients(const float* from, int count, vec4* to) {
 
 Pass specularPass(const RecordCache& cache, int group) {
     static_assert(kShGradientOrder == 3, "specular.frag has nine gradients");
+    static_assert(shared::LOBE_FIRST_GROUP == 16 && shared::LOBE_NEXT_GROUP == 24,
+                  "specular.frag has as many coefficients");
     const int first = shared::lobeGroupFirst(group);
     const int size = shared::lobeGroupFirst(group + 1) - first;
     const int head = group == 0 ? 3 : 2;
@@ -202,6 +204,25 @@ void drawPass(const Pass& pass, const gl::Program& program, const PixelClasses& 
 
 }  // namespace
 
+void checkSplat(gl::WorkerPool& pool, const PixelLobes& lobes) {
+    pool.runOnFirst([&] {
+        const auto check_components = [](GLenum what, int needed) {
+            GLint components = 0;
+            gl::glGetIntegerv(what, &components);
+            if (components < needed) {
+                throwEnvironment(
+                    "OpenGL: {} components from vertices to fragments where splatting "
+                    "takes {}",
+                    components, needed);
+            }
+        };
+        check_components(GL_MAX_VARYING_COMPONENTS, 4 * kVaryings);
+        check_components(GL_MAX_FRAGMENT_INPUT_COMPONENTS, 4 * kVaryings);
+        check_components(GL_MAX_VERTEX_OUTPUT_COMPONENTS, 4 * (kVaryings + 1));  // gl_Position
+        checkTexels(lobes.steps.size() * sizeof(int16_t), "the lobes of glossy pixels");
+    });
+}
+
 SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelClasses& classes,
                      const PixelLobes& lobes, const RecordCache& cache,
                      const WeightParams& weight) {
@@ -222,19 +243,12 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
     const std::vector<vec4> bounds = clipBounds(gbuffer, cache, weight);
     const Image<uvec4> normals = packNormals(gbuffer, lobes);
     pool.runOnFirst([&] {
-        GLint components = 0;
-        glGetIntegerv(GL_MAX_VARYING_COMPONENTS, &components);
-        if (components < kVaryingComponents) {
-            throwEnvironment("OpenGL: {} varying components where splatting takes {}", components,
-                             kVaryingComponents);
-        }
         const gl::Texture position_texture = makeTexture2d(GL_RGBA32F, width, height);
         const gl::Texture normal_texture = makeTexture2d(GL_RGBA32UI, width, height);
         glTextureSubImage2D(position_texture.name(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT,
                             gbuffer.position.pixels.data());
         glTextureSubImage2D(normal_texture.name(), 0, 0, 0, width, height, GL_RGBA_INTEGER,
                             GL_UNSIGNED_INT, normals.pixels.data());
-        checkTexels(lobes.steps.size() * sizeof(int16_t), "the lobes of glossy pixels");
         const Buffer lobe_buffer = makeBuffer(std::span<const int16_t>(lobes.steps));
         const gl::Texture lobe_texture = makeBufferTexture(GL_RGBA32I, lobe_buffer);
         const auto bind = [](GLuint unit, const gl::Texture& texture, GLenum format) {
