@@ -96,7 +96,7 @@ TEST(Splat, OrdersMayMix) {
     const PixelClasses classes = classifyPixels(scene, g, 0, false);
     const std::set<int> orders(classes.orders.pixels.begin(), classes.orders.pixels.end());
     ASSERT_EQ(orders.count(shared::DIFFUSE_ORDER), 1u);
-    ASSERT_GE(orders.size(), 3u);  // two glossy ones at least
+    ASSERT_GE(std::distance(orders.upper_bound(shared::DIFFUSE_ORDER), orders.end()), 2);
     const PixelLobes lobes = buildLobes(g, classes);
     const RecordCache cache = makeRecords(g, classes, 17, 5);
     const SplatBuffer gpu = splatGpu(stage.pool, g, classes, lobes, cache, kWeight);

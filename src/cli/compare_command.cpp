@@ -73,8 +73,10 @@ void printComparison(const Comparison& c) {
     fmt::print("rel_mse     {:.6g}\n", c.rel_mse);
     fmt::print("pixels      median {:.3f}%, p99 {:.3f}%, max {:.3f}%\n", 100.0 * c.median,
                100.0 * c.p99, 100.0 * c.max);
-    fmt::print("            of the reference's noise alone: median {:.3f}%, p99 {:.3f}%\n",
-               100.0 * c.noise_median, 100.0 * c.noise_p99);
+    if (c.noise_p99 > 0.0) {
+        fmt::print("            of the reference's noise alone: median {:.3f}%, p99 {:.3f}%\n",
+                   100.0 * c.noise_median, 100.0 * c.noise_p99);
+    }
     fmt::print("tile_max    {:.3f}% at pixel {}, {}\n", 100.0 * c.tile_max, c.worst_tile.x,
                c.worst_tile.y);
     fmt::print("noise_share {:.3f}\n", c.noise_share);
