@@ -135,7 +135,7 @@ TEST(Placement, CurvatureEndsTheReach) {
     params.min_pixels = 1.0f;
     params.max_pixels = 1e3f;
     size_t fewer = 0;
-    for (float curvature : {0.0f, 0.05f, 0.5f, 4.0f}) {
+    for (float curvature : {0.0f, 0.05f, 0.5f, 3.0f}) {
         const Placement placement = place(stage, params, [=](const RecordSite&, GatheredRecord& g) {
             g.record.radius = 0.8f;
             g.curvature = curvature;
@@ -284,6 +284,35 @@ TEST(Placement, SitesFaceTheViewer) {
         EXPECT_NEAR(site.geometric_normal.y, 1.0f, 1e-5f);
         EXPECT_NEAR(site.normal.y, 1.0f, 1e-5f);
     });
+}
+
+TEST(Placement, SitesTellHowFarTheirRecordsWillReach) {
+    const Stage stage = makeStage(0, 0);
+    PlacementParams params;
+    params.coarsest_stride = 4;
+    params.neighbour_clamping = false;
+    params.disagreement = 0.0f;
+    int first = 0, told = 0, right = 0;
+    place(stage, params, [&](const RecordSite& site, GatheredRecord& g) {
+        g.record.radius = 0.3f;
+        if (site.first) {
+            ++first;
+            EXPECT_EQ(site.reach, 0.0f);
+            return;
+        }
+        ++told;
+        EXPECT_GE(site.reach, 0.999f * params.min_pixels);
+        EXPECT_LE(site.reach, 1.001f * params.max_pixels);
+        // All records reach as far, but for the bounds, which change with the distance.
+        Record r{};
+        r.position = site.position;
+        const float expected =
+            glm::clamp(0.3f / footprintOf(stage, r), params.min_pixels, params.max_pixels);
+        right += std::abs(site.reach - expected) < 0.2f * expected ? 1 : 0;
+    });
+    EXPECT_GT(first, 0);
+    EXPECT_GT(told, 20);
+    EXPECT_GT(right, told * 9 / 10);
 }
 
 TEST(Placement, RefusesAGatherThatLosesSites) {

@@ -271,10 +271,9 @@ constexpr float kTexelWidth = 4.0f / 24.0f;
 bool nearLamp(const vec3& p) {  // in its texel or in the next one
     return p.y > 0.9f && std::abs(p.x) < 2.0f * kTexelWidth && std::abs(p.z) < 2.0f * kTexelWidth;
 }
-Scene roomWithSmallLamp() {
+Scene roomWithSmallLamp(float half = 0.027f) {
     Scene scene;
     addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(0.5f))), true);
-    const float half = 0.027f;
     addQuad(scene, vec3(-half, 0.999f, -half), vec3(2 * half, 0, 0), vec3(0, 0, 2 * half),
             addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1000.0f))));
     return scene;
@@ -371,6 +370,96 @@ TEST(RayGatherer, ContrastsAnywhereDoNoHarm) {
     }
     expectMean(scene, site, kLamp * cosineIntegral(faceCorners(1, 1), site.position, site.normal),
                [](const GatheredRecord& g) { return g.record.irradiance.y; });
+}
+
+// ---- More rays for records that reach farther ---------------------------------------------------
+
+TEST(SideForReach, GrowsWithTheReachInEvenStepsWithinBounds) {
+    for (int usual : {8, 18, 19, 38, 512}) {
+        EXPECT_EQ(sideForReach(usual, 0.0f), usual);  // not known
+        EXPECT_EQ(sideForReach(usual, 5.0f), usual);
+        const int least = sideForReach(usual, 1.0f);
+        const int most = sideForReach(usual, 30.0f);
+        EXPECT_LT(least, usual);
+        EXPECT_GT(most, usual);
+        EXPECT_NEAR(least, 0.64 * usual, 1.0);
+        EXPECT_NEAR(most, 1.5625 * usual, 1.0);
+        EXPECT_EQ(sideForReach(usual, 1e-30f), least);
+        EXPECT_EQ(sideForReach(usual, kInfinity), most);
+        int before = 0;
+        for (float reach = 0.5f; reach < 100.0f; reach *= 1.1f) {
+            const int side = sideForReach(usual, reach);
+            EXPECT_GE(side, before);
+            EXPECT_TRUE(side == usual || side % 2 == 0) << side;
+            before = side;
+        }
+    }
+}
+
+TEST(RayGatherer, RecordsThatReachFartherTakeMoreRaysAndErrLess) {
+    const Scene scene = roomWithLamp(1, 1);
+    const RayCaster rays(scene);
+    const LightCells cells(rays);
+    constexpr int kRecords = 400;
+    int64_t fewer = 0;
+    double greater = kInfinity;
+    for (float reach : {1.0f, 5.0f, 60.0f}) {
+        // Anywhere: at one place the lamp's edge may happen to lie along those of texels.
+        Random random(1);
+        std::vector<RecordSite> sites;
+        for (int i = 0; i < kRecords; ++i) {
+            const vec3 p = random.point(-0.8f, 0.8f);
+            sites.push_back(siteAt(vec3(p.x, kLower.y, p.z), vec3(0, 1, 0)));
+            sites.back().reach = reach;
+        }
+        RayGatherer gatherer(rays, cells, kHemicube);
+        const std::vector<GatheredRecord> gathered = gatherer.gather(sites);
+        double sum = 0.0, squares = 0.0;
+        for (size_t i = 0; i < gathered.size(); ++i) {
+            const double expected =
+                kLamp * cosineIntegral(faceCorners(1, 1), sites[i].position, sites[i].normal);
+            const double error = gathered[i].record.irradiance.y / expected - 1.0;
+            sum += error;
+            squares += error * error;
+        }
+        const double deviation = std::sqrt(squares / kRecords);
+        const double texel = kHemicube.size / static_cast<double>(sideForReach(24, reach));
+        EXPECT_NEAR(sum / kRecords, 0.0,
+                    3.0 * deviation / std::sqrt(kRecords) + kTexelBias * texel * texel)
+            << reach;
+        EXPECT_GT(gatherer.rays(), fewer + fewer / 2) << reach;
+        EXPECT_LT(deviation, 0.8 * greater) << reach;
+        fewer = gatherer.rays();
+        greater = deviation;
+    }
+}
+
+TEST(RayGatherer, ContrastsOfSmallHemispheresSayWhatThoseOfLargeOnesDo) {
+    // A lamp smaller than their texels, which records nearby have told of.
+    const Scene scene = roomWithSmallLamp(0.015f);
+    const RayCaster rays(scene);
+    const LightCells cells(rays);
+    double strengths[2];
+    for (int far = 0; far < 2; ++far) {
+        Random random(1);
+        std::vector<RecordSite> sites;
+        for (int i = 0; i < 400; ++i) {
+            const vec3 p = random.point(-0.3f, 0.3f);
+            sites.push_back(siteAt(vec3(p.x, 0, p.z), vec3(0, 1, 0)));
+            sites.back().reach = far ? 60.0f : 1.0f;
+            sites.back().contrasts = {{vec3(0, 0.999f, 0), 90.0f}};
+        }
+        double sum = 0.0;
+        for (const GatheredRecord& g : RayGatherer(rays, cells, kHemicube).gather(sites)) {
+            float strongest = 0.0f;
+            for (const Contrast& c : g.contrasts) {
+                strongest = std::max(strongest, c.strength);
+            }
+            sum += strongest;
+        }
+        strengths[far] = sum / static_cast<double>(sites.size());
+    }
+    EXPECT_NEAR(strengths[0] / strengths[1], 1.0, 0.3);
 }
 
 // ---- Highlights smaller than a texel ------------------------------------------------------------

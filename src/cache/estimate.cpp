@@ -8,7 +8,7 @@ namespace {
 
 // A record's neighbours alone know less of the light at its place than the image does, where the
 // record serves too. Measured on cornell_diffuse and venus_glossy (docs/decisions.md).
-constexpr double kCalibration = 0.68;
+constexpr double kCalibration = 0.72;
 
 }  // namespace
 

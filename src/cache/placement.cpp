@@ -206,6 +206,10 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
     for (const Choice& choice : choices) {
         sites.push_back(siteAt(choice));
         sites.back().first = first;
+        if (!first) {  // of the first nothing is known
+            sites.back().reach =
+                predictedRadius(choice) * params_.accuracy / footprint(choice.pixel);
+        }
     }
     std::vector<GatheredRecord> gathered = gather_(sites);
     SHEEN_CHECK_EQ(gathered.size(), sites.size());

@@ -18,13 +18,13 @@ namespace sheen {
 enum class ErrorControl { kSplitSphere, kHessian };
 
 struct PlacementParams {
-    float accuracy = 0.5f;  ///< Ward's a
+    float accuracy = 0.4f;  ///< Ward's a
     ErrorControl control = ErrorControl::kHessian;
     float curvature = 5e-4f;     ///< kHessian, times `accuracy`: relative error at the end of a
                                  ///< record's reach times that reach in heights of the image
     float normal_weight = 4.0f;  ///< k_n of the weight function
     float slab = 0.1f;           ///< c of the weight function
-    float min_pixels = 1.25f;    ///< least reach a R, in footprints of the record's pixel; at
+    float min_pixels = 1.0f;     ///< least reach a R, in footprints of the record's pixel; at
                                  ///< least 1, so that it serves its own pixel
     float max_pixels = 30.0f;    ///< greatest reach
     bool neighbour_clamping = true;
@@ -34,7 +34,7 @@ struct PlacementParams {
     int coarsest_stride = 32;     ///< of the grids that are scanned: a power of two
     float gradient_limit = 0.5f;  ///< greatest extrapolated change relative to the value
 
-    float overlap = 1.5f;  ///< how much farther records serve than they were placed for
+    float overlap = 1.65f;  ///< how much farther records serve than they were placed for
 
     /// The weight that decides where records are needed.
     WeightParams weight() const {

@@ -13,6 +13,10 @@ constexpr int kBatch = 16;  // records that one worker draws before it shades an
 // Error of coarser geometry that is accepted, in texels at the middle of a face.
 constexpr float kLodTexels = 0.1f;
 
+// How near the eye, in lifts of it, things are seen: records in corners lie as near to a wall as
+// their pixel happens to. Reversed depth in floating point has digits to spare.
+constexpr float kNearOverOffset = 0.08f;
+
 }  // namespace
 
 // What one worker owns: framebuffers, programs and its time.
@@ -32,7 +36,7 @@ struct RasterGatherer::Worker {
 RasterGatherer::RasterGatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
                                const HemisphereParams& params)
     : pool_(pool), gpu_(gpu), hemisphere_(makeHemisphere(params)) {
-    near_ = nearDistance(scene);
+    near_ = kNearOverOffset * surfaceOffset(scene);
     lift_ = surfaceOffset(scene);
     const float texel_angle = 2.0f * glm::length(hemisphere_.faces[0].right) /
                               static_cast<float>(hemisphere_.faces[0].width);

@@ -25,6 +25,13 @@ constexpr float kMostRays = 64.0f;
 constexpr size_t kMostContrasts = 128;
 // Steps of the R2 sequence, whose points fill a square evenly, however many there are [Rob18].
 constexpr vec2 kSpread(0.7548777f, 0.5698403f);
+// A record's noise shows in all pixels it serves: their number pays for its rays, up to a point,
+// since noise is not all that is wrong. From record to record the side of the hemisphere goes with
+// the fourth root of the reach, in steps, since each size needs matrices of its own.
+constexpr float kUsualReach = 5.0f;
+constexpr float kSideStep = 1.25f;
+constexpr float kMostSteps = 2.0f;
+
 // From so many rays on, a texel's standard deviation is theirs; below, that from its neighbours.
 constexpr int kEnoughRays = 4;
 
@@ -130,9 +137,9 @@ std::vector<float> contrastsOfNeighbours(const Hemisphere& h, std::span<const fl
 
 // What is smaller than a texel and bright, one ray in many meets, and no neighbour: half of the
 // variance lies in one texel of a hundred, and records nearby know which. Raises the contrasts of
-// the four texels that lie nearest to each of theirs.
+// the four texels that lie nearest to each of theirs. `scale`: what their strengths are times.
 void heedContrasts(const Hemisphere& h, std::span<const WorldFace> faces, const vec3& eye,
-                   std::span<const Contrast> found, std::vector<float>& contrasts) {
+                   std::span<const Contrast> found, float scale, std::vector<float>& contrasts) {
     for (const Contrast& c : found) {
         for (size_t f = 0; f < faces.size(); ++f) {
             const std::optional<vec2> place = faces[f].meet(c.position - eye);
@@ -145,7 +152,7 @@ void heedContrasts(const Hemisphere& h, std::span<const WorldFace> faces, const 
             for (const ivec2 offset : {ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1)}) {
                 const ivec2 texel = glm::clamp(corner + offset, ivec2(0), last);
                 float& contrast = contrasts[texelOf(h, face, texel.x, texel.y)];
-                contrast = std::max(contrast, c.strength);
+                contrast = std::max(contrast, scale * c.strength);
             }
         }
     }
@@ -202,31 +209,62 @@ std::vector<Contrast> findContrasts(const Hemisphere& h, std::span<const vec4> t
 
 }  // namespace
 
+int sideForReach(int usual, float reach) {
+    const float steps = 0.25f * std::log(reach / kUsualReach) / std::log(kSideStep);
+    const float step = std::round(std::clamp(steps, -kMostSteps, kMostSteps));
+    if (reach <= 0.0f || step == 0.0f) {
+        return usual;
+    }
+    // A hemicube's sides have half the rows.
+    return 2 * static_cast<int>(
+                   std::lround(0.5f * static_cast<float>(usual) * std::pow(kSideStep, step)));
+}
+
+// The resolution of each site, with the matrices that it needs.
+std::vector<const RayGatherer::Resolution*> RayGatherer::prepare(
+    std::span<const RecordSite> sites) {
+    std::vector<const Resolution*> resolutions;
+    for (size_t i = 0; i < sites.size(); ++i) {
+        HemisphereParams params = params_;
+        params.size = sideForReach(params_.size, sites[i].reach);
+        const auto [found, fresh] = resolutions_.try_emplace(params.size);
+        Resolution& resolution = found->second;
+        if (fresh) {
+            resolution.hemisphere = makeHemisphere(params);
+        }
+        resolution.projections.prepare(resolution.hemisphere, sites.subspan(i, 1));
+        resolutions.push_back(&resolution);
+    }
+    return resolutions;
+}
+
 std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> sites) {
-    projections_.prepare(hemisphere_, sites);
+    const std::vector<const Resolution*> resolutions = prepare(sites);
     const auto count = static_cast<int>(sites.size());
     std::vector<Seen> seen(sites.size());
     const Timer see_timer;
-    parallelFor(count, [&](int i) {
-        const uint32_t index = gathered_ + static_cast<uint32_t>(i);
-        const RecordSite& site = sites[static_cast<size_t>(i)];
+    parallelFor(count, [&](int k) {
+        const auto i = static_cast<size_t>(k);
+        const uint32_t index = gathered_ + static_cast<uint32_t>(k);
+        const RecordSite& site = sites[i];
+        const Hemisphere& h = resolutions[i]->hemisphere;
         std::span<const Contrast> found = site.contrasts;
         Seen looked;
         // The first look twice, and only what they see the second time counts.
         if (site.first) {
-            looked = see(site, ~index, found);
+            looked = see(h, site, ~index, found);
             found = looked.contrasts;
         }
-        seen[static_cast<size_t>(i)] = see(site, index, found);
-        seen[static_cast<size_t>(i)].rays += looked.rays;
+        seen[i] = see(h, site, index, found);
+        seen[i].rays += looked.rays;
     });
     seconds_.see += see_timer.seconds();
     const Timer project_timer;
     std::vector<GatheredRecord> results(sites.size());
-    parallelFor(count, [&](int index) {
-        const auto i = static_cast<size_t>(index);
-        results[i] = integrateHemisphere(hemisphere_, seen[i].texels,
-                                         projections_.of(sites[i].order), sites[i]);
+    parallelFor(count, [&](int k) {
+        const auto i = static_cast<size_t>(k);
+        results[i] = integrateHemisphere(resolutions[i]->hemisphere, seen[i].texels,
+                                         resolutions[i]->projections.of(sites[i].order), sites[i]);
         results[i].contrasts = std::move(seen[i].contrasts);
     });
     seconds_.project += project_timer.seconds();
@@ -240,9 +278,8 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
 // Rays through the middles of texels would all miss, or all meet, a thin thing that lies along a
 // row of them, and a record's neighbours would err the same way. Random places make that noise,
 // which differs from record to record, so that interpolation averages it.
-RayGatherer::Seen RayGatherer::see(const RecordSite& site, uint32_t index,
+RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, uint32_t index,
                                    std::span<const Contrast> found) const {
-    const Hemisphere& h = hemisphere_;
     const mat3 frame = tangentFrame(site.normal);
     const vec3 eye = rays_.origin(site.position, site.geometric_normal, site.toward_viewer);
     const std::span<const float> weights = weightsFor(h, site.order);
@@ -281,7 +318,9 @@ RayGatherer::Seen RayGatherer::see(const RecordSite& site, uint32_t index,
 
     // More where light changes, spread evenly over the texel from a random place on [Rob18].
     std::vector<float> contrasts = contrastsOfNeighbours(h, relativeLight(texels, weights));
-    heedContrasts(h, faces, eye, found, contrasts);
+    // What is smaller than a texel deviates, over what a texel brings, as the side.
+    const float sharpness = static_cast<float>(h.params.size) / static_cast<float>(params_.size);
+    heedContrasts(h, faces, eye, found, sharpness, contrasts);
     TexelRays more{.n_g = site.geometric_normal};
     more.reserve(2 * texels.size());
     for (size_t f = 0; f < faces.size(); ++f) {
@@ -315,6 +354,9 @@ RayGatherer::Seen RayGatherer::see(const RecordSite& site, uint32_t index,
     }
     result.rays = static_cast<int64_t>(first.of.size() + more.of.size());
     result.contrasts = findContrasts(h, texels, weights, more, more_seen, eye, frame);
+    for (Contrast& c : result.contrasts) {
+        c.strength /= sharpness;
+    }
     return result;
 }
 

@@ -1,8 +1,10 @@
 // Gathering by rays: one through each texel of a record's hemisphere, at a random place within it,
-// and more where light changes, as its neighbours and records nearby saw.
+// and more where light changes, as its neighbours and records nearby saw. Records that serve more
+// pixels have more texels.
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -12,12 +14,16 @@
 
 namespace sheen {
 
+/// Texels along the side of the hemisphere of a record that reaches so many pixels (RecordSite),
+/// where `usual` are asked for: `usual` where the reach is not known, else an even number.
+int sideForReach(int usual, float reach);
+
 /// Gathers on all threads; the results do not depend on how many there are. Which places the rays
 /// take depends on how many records were gathered before. The caster and the cells must outlive it.
 class RayGatherer {
   public:
     RayGatherer(const RayCaster& rays, const LightCells& cells, const HemisphereParams& params)
-        : rays_(rays), cells_(cells), hemisphere_(makeHemisphere(params)) {}
+        : rays_(rays), cells_(cells), params_(params) {}
 
     /// One result a site, in order.
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites);
@@ -28,17 +34,23 @@ class RayGatherer {
     int64_t rays() const { return rays_cast_; }
 
   private:
+    struct Resolution {
+        Hemisphere hemisphere;
+        ProjectionMatrices projections;
+    };
     struct Seen {
         SeenTexels texels;
         std::vector<Contrast> contrasts;
         int64_t rays = 0;
     };
-    Seen see(const RecordSite& site, uint32_t index, std::span<const Contrast> found) const;
+    std::vector<const Resolution*> prepare(std::span<const RecordSite> sites);
+    Seen see(const Hemisphere& h, const RecordSite& site, uint32_t index,
+             std::span<const Contrast> found) const;
 
     const RayCaster& rays_;
     const LightCells& cells_;
-    Hemisphere hemisphere_;
-    ProjectionMatrices projections_;
+    HemisphereParams params_;
+    std::map<int, Resolution> resolutions_;  // by texels along the side
     uint32_t gathered_ = 0;
     int64_t rays_cast_ = 0;
     GatherSeconds seconds_;

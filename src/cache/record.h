@@ -18,7 +18,8 @@ using shared::WeightParams;
 static_assert(sizeof(Record) == 10 * 16, "irradiance.frag takes a Record as ten vec4s");
 
 /// Where the light that a record sees changes within a texel. `strength`: by how much, twice its
-/// standard deviation there, in units of what a texel of that record brings on average.
+/// standard deviation there, in units of what a texel brings on average; as a hemisphere of the
+/// usual size would see it.
 struct Contrast {
     vec3 position{};
     float strength = 0;
@@ -31,6 +32,7 @@ struct RecordSite {
     vec3 geometric_normal{};  ///< on the same side
     vec3 toward_viewer{};     ///< unit, to whoever sees the site; zero where no one does
     int order = shared::DIFFUSE_ORDER;
+    float reach = 0;  ///< that its record will most likely have, in pixels; 0: not known
     std::vector<Contrast> contrasts = {};  ///< what records nearby found: where to look closer
     bool first = false;                    ///< of the first grid: few have records nearby
 };

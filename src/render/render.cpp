@@ -257,7 +257,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
 // A gather's noise falls with its rays, and the other errors with the accuracy: both together.
 // Rays look closer where light changes; a raster cannot (docs/decisions.md).
 int gatherSize(GatherRoad road, float accuracy) {
-    const float texels_at_one = road == GatherRoad::kRays ? 12.5f : 24.0f;
+    const float texels_at_one = road == GatherRoad::kRays ? 11.4f : 24.0f;
     return static_cast<int>(std::lround(texels_at_one / std::sqrt(accuracy)));
 }
 
