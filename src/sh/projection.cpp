@@ -10,7 +10,9 @@ namespace {
 constexpr int kBandHeights = 8;   // pieces of the band between the horizon and its lower end
 constexpr int kBandAzimuths = 2;  // pieces of a texel's part of it
 constexpr int kGramHeights = 64;  // quadrature of the normal equations
-constexpr int kGramAzimuths = 64;
+// Products of two functions have frequencies below 2 SH_MAX_ORDER - 1 around the normal, whose sums
+// over so many even steps are exact.
+constexpr int kGramAzimuths = 2 * shared::SH_MAX_ORDER;
 
 // Adds weight * Y(d) to one column of the right-hand side [coefficient][texel].
 void addBasis(const vec3& d, float weight, int order, int texel, int texels,
