@@ -154,6 +154,7 @@ void heedContrasts(const Hemisphere& h, std::span<const WorldFace> faces, const 
                 float& contrast = contrasts[texelOf(h, face, texel.x, texel.y)];
                 contrast = std::max(contrast, scale * c.strength);
             }
+            break;  // no other face meets it
         }
     }
 }
