@@ -23,7 +23,7 @@ WHOLE = {"cornell_diffuse": "512x512", "cornell_glossy": "512x512", "venus_gloss
 ENOUGH_SECONDS = 60  # of a scene's warm runs: long runs vary little
 STAGES = ["load", "gbuffer", "shadow", "placement", "gather", "project", "splat", "compose", "write"]
 QUICK, FULL = (0.001, 1), (0.3, 3)  # of a stage: seconds at least, repetitions
-# Growth: records by accuracy, of the same texels; the box cut into triangles; pixels by the side.
+# Growth: records by accuracy, of the same --gather-size; the box cut into triangles; pixels by the side.
 GROWN = "cornell_glossy"
 ACCURACIES = [1.6, 0.8, 0.4, 0.2, 0.1, 0.05]
 BOXES = "cornell_.*"
