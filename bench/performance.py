@@ -347,7 +347,7 @@ def measure_whole(sheen, sizes, runs, options):
 
 
 def measure_records(sheen, size, accuracies, runs):
-    """Warm runs by the number of records, whose texels stay those of the default accuracy."""
+    """Warm runs by the number of records; --gather-size stays that of the default accuracy."""
     measured = []
     texels = run_whole(sheen, GROWN, size, 1, ())[1].stats["gather_size"]
     for accuracy in accuracies:

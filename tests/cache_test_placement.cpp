@@ -289,30 +289,34 @@ TEST(Placement, SitesFaceTheViewer) {
 TEST(Placement, SitesTellHowFarTheirRecordsWillReach) {
     const Stage stage = makeStage(0, 0);
     PlacementParams params;
-    params.coarsest_stride = 4;
+    params.coarsest_stride = 16;
+    params.max_pixels = 6.0f;
     params.neighbour_clamping = false;
     params.disagreement = 0.0f;
-    int first = 0, told = 0, right = 0;
-    place(stage, params, [&](const RecordSite& site, GatheredRecord& g) {
-        g.record.radius = 0.3f;
-        if (site.first) {
-            ++first;
-            EXPECT_EQ(site.reach, 0.0f);
-            return;
-        }
-        ++told;
-        EXPECT_GE(site.reach, 0.999f * params.min_pixels);
-        EXPECT_LE(site.reach, 1.001f * params.max_pixels);
-        // All records reach as far, but for the bounds, which change with the distance.
-        Record r{};
-        r.position = site.position;
-        const float expected =
-            glm::clamp(0.3f / footprintOf(stage, r), params.min_pixels, params.max_pixels);
-        right += std::abs(site.reach - expected) < 0.2f * expected ? 1 : 0;
-    });
-    EXPECT_GT(first, 0);
-    EXPECT_GT(told, 20);
-    EXPECT_GT(right, told * 9 / 10);
+    for (float radius : {0.0f, 0.3f, kInfinity}) {
+        int first = 0, told = 0, right = 0;
+        place(stage, params, [&](const RecordSite& site, GatheredRecord& g) {
+            g.record.radius = radius;
+            if (site.first) {
+                ++first;
+                EXPECT_EQ(site.reach, 0.0f);
+                return;
+            }
+            ++told;
+            EXPECT_GE(site.reach, 0.999f * params.min_pixels);
+            EXPECT_LE(site.reach, 1.001f * params.max_pixels);
+            // All records reach as far, but for the bounds: those of the nearest one are those of a
+            // pixel whose footprint is another.
+            Record r{};
+            r.position = site.position;
+            const float expected =
+                glm::clamp(radius / footprintOf(stage, r), params.min_pixels, params.max_pixels);
+            right += std::abs(site.reach - expected) < 0.3f * expected ? 1 : 0;
+        });
+        EXPECT_GT(first, 0);
+        EXPECT_GT(told, 4);
+        EXPECT_GE(right, told * 9 / 10) << radius;
+    }
 }
 
 TEST(Placement, RefusesAGatherThatLosesSites) {

@@ -26,6 +26,7 @@ RecordSite siteAt(const vec3& position, const vec3& n, int order = shared::DIFFU
 // Sites of all classes on the walls of the unit room and on the box's top in it.
 std::vector<RecordSite> sitesInGlossyRoom(int count) {
     constexpr int kOrders[] = {shared::DIFFUSE_ORDER, 3, 6};
+    constexpr float kReaches[] = {0.0f, 1.0f, 5.0f, 60.0f};
     Random random(1);
     std::vector<RecordSite> sites;
     for (int i = 0; i < count; ++i) {
@@ -34,6 +35,7 @@ std::vector<RecordSite> sitesInGlossyRoom(int count) {
                                  {{p.x, -1, 0.5f}, {0, 1, 0}},
                                  {{-0.3f, -0.4f, 0.1f * p.z}, {0, 1, 0}}};
         sites.push_back(siteAt(walls[i % 3][0], walls[i % 3][1], kOrders[(i / 3) % 3]));
+        sites.back().reach = kReaches[i % 4];
     }
     return sites;
 }
@@ -375,7 +377,9 @@ TEST(RayGatherer, ContrastsAnywhereDoNoHarm) {
 // ---- More rays for records that reach farther ---------------------------------------------------
 
 TEST(SideForReach, GrowsWithTheReachInEvenStepsWithinBounds) {
-    for (int usual : {8, 18, 19, 38, 512}) {
+    EXPECT_EQ(sideForReach(100, 60.0f), 128);
+    EXPECT_EQ(sideForReach(512, 60.0f), 512);
+    for (int usual : {8, 18, 19, 38, 80}) {
         EXPECT_EQ(sideForReach(usual, 0.0f), usual);  // not known
         EXPECT_EQ(sideForReach(usual, 5.0f), usual);
         const int least = sideForReach(usual, 1.0f);
@@ -460,6 +464,30 @@ TEST(RayGatherer, ContrastsOfSmallHemispheresSayWhatThoseOfLargeOnesDo) {
         strengths[far] = sum / static_cast<double>(sites.size());
     }
     EXPECT_NEAR(strengths[0] / strengths[1], 1.0, 0.3);
+}
+
+TEST(RayGatherer, ContrastsTakeRaysAsTheSideOfTheHemisphere) {
+    // Nothing here varies of itself.
+    Scene scene;
+    addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1))), true);
+    const RayCaster rays(scene);
+    const LightCells cells(rays);
+    constexpr float kStrength = 12.0f;
+    for (float reach : {0.0f, 1.0f, 60.0f}) {
+        RecordSite site = siteAt(vec3(0.01f, -1, 0.02f), vec3(0, 1, 0));
+        site.reach = reach;
+        int64_t cast[2];
+        for (int told = 0; told < 2; ++told) {
+            if (told != 0) {
+                site.contrasts = {{vec3(0.1f, 1, 0.1f), kStrength}};
+            }
+            RayGatherer gatherer(rays, cells, kHemicube);
+            gatherer.gather({&site, 1});
+            cast[told] = gatherer.rays();
+        }
+        const float scale = static_cast<float>(sideForReach(24, reach)) / 24.0f;
+        EXPECT_EQ(cast[1] - cast[0], 4 * static_cast<int>(scale * kStrength)) << reach;
+    }
 }
 
 // ---- Highlights smaller than a texel ------------------------------------------------------------

@@ -15,7 +15,7 @@ constexpr float kLodTexels = 0.1f;
 
 // How near the eye, in lifts of it, things are seen: records in corners lie as near to a wall as
 // their pixel happens to. Reversed depth in floating point has digits to spare.
-constexpr float kNearOverOffset = 0.08f;
+constexpr float kNearOverLift = 0.08f;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ struct RasterGatherer::Worker {
 RasterGatherer::RasterGatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
                                const HemisphereParams& params)
     : pool_(pool), gpu_(gpu), hemisphere_(makeHemisphere(params)) {
-    near_ = kNearOverOffset * surfaceOffset(scene);
+    near_ = kNearOverLift * surfaceOffset(scene);
     lift_ = surfaceOffset(scene);
     const float texel_angle = 2.0f * glm::length(hemisphere_.faces[0].right) /
                               static_cast<float>(hemisphere_.faces[0].width);

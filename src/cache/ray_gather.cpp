@@ -31,6 +31,7 @@ constexpr vec2 kSpread(0.7548777f, 0.5698403f);
 constexpr float kUsualReach = 5.0f;
 constexpr float kSideStep = 1.25f;
 constexpr float kMostSteps = 2.0f;
+constexpr int kEnoughTexels = 128;  // no record takes more for its reach
 
 // From so many rays on, a texel's standard deviation is theirs; below, that from its neighbours.
 constexpr int kEnoughRays = 4;
@@ -211,14 +212,18 @@ std::vector<Contrast> findContrasts(const Hemisphere& h, std::span<const vec4> t
 }  // namespace
 
 int sideForReach(int usual, float reach) {
+    if (reach <= 0.0f) {
+        return usual;
+    }
     const float steps = 0.25f * std::log(reach / kUsualReach) / std::log(kSideStep);
     const float step = std::round(std::clamp(steps, -kMostSteps, kMostSteps));
-    if (reach <= 0.0f || step == 0.0f) {
+    if (step == 0.0f || (step > 0.0f && usual >= kEnoughTexels)) {
         return usual;
     }
     // A hemicube's sides have half the rows.
-    return 2 * static_cast<int>(
-                   std::lround(0.5f * static_cast<float>(usual) * std::pow(kSideStep, step)));
+    const float half = 0.5f * static_cast<float>(usual) * std::pow(kSideStep, step);
+    const int side = 2 * static_cast<int>(std::lround(half));
+    return step > 0.0f ? std::min(side, kEnoughTexels) : side;
 }
 
 // The resolution of each site, with the matrices that it needs.
@@ -240,7 +245,9 @@ std::vector<const RayGatherer::Resolution*> RayGatherer::prepare(
 }
 
 std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> sites) {
+    const Timer prepare_timer;
     const std::vector<const Resolution*> resolutions = prepare(sites);
+    seconds_.project += prepare_timer.seconds();
     const auto count = static_cast<int>(sites.size());
     std::vector<Seen> seen(sites.size());
     const Timer see_timer;

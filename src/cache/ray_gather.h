@@ -15,7 +15,7 @@
 namespace sheen {
 
 /// Texels along the side of the hemisphere of a record that reaches so many pixels (RecordSite),
-/// where `usual` are asked for: `usual` where the reach is not known, else an even number.
+/// where `usual` are asked for: `usual`, also where the reach is not known (0), or an even number.
 int sideForReach(int usual, float reach);
 
 /// Gathers on all threads; the results do not depend on how many there are. Which places the rays

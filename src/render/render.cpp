@@ -217,7 +217,7 @@ void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage
     // from the first pass on its power is then small (docs/decisions.md).
     constexpr double kUsualPower = 0.7;
     constexpr double kLeastPower = 0.25;
-    constexpr double kStep = 1.0 / 3.0;  // five times as long: what is spent on the way is small
+    constexpr double kStep = 1.0 / 3.0;  // three times as long: half of that was spent on the way
     constexpr double kMargin = 0.85;     // a pass that just misses is lost
     double first_estimate = 0.0;
     for (float accuracy = kFirst;;) {
