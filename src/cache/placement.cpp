@@ -95,10 +95,11 @@ class Placer {
     struct Choice {
         int pixel;
         Nearest nearest;
+        float radius;  // predicted
     };
     Nearest nearestTo(const vec3& p) const;
-    RecordSite siteAt(const Choice& choice) const;
-    float predictedRadius(const Choice& choice) const;
+    float predictedRadius(int pixel, size_t nearest) const;
+    RecordSite siteAt(const Choice& choice, bool first) const;
     std::vector<Choice> chooseSites(int pixel, int stride) const;
     void place(const std::vector<Choice>& choices, bool first);
     float clampedRadius(const Placed& placed) const;
@@ -145,13 +146,16 @@ Placer::Nearest Placer::nearestTo(const vec3& p) const {
     return nearest;
 }
 
-RecordSite Placer::siteAt(const Choice& choice) const {
+RecordSite Placer::siteAt(const Choice& choice, bool first) const {
     const int pixel = choice.pixel;
     RecordSite site{.position = position(pixel),
                     .normal = normal(pixel),
                     .geometric_normal = gbuffer_.geometricNormalAt(scene_, pixel),
                     .toward_viewer = glm::normalize(gbuffer_.view.origin - position(pixel)),
-                    .order = order(pixel)};
+                    .order = order(pixel),
+                    // Of the first nothing is known.
+                    .reach = first ? 0.0f : choice.radius * params_.accuracy / footprint(pixel),
+                    .first = first};
     for (size_t j : choice.nearest) {
         if (j != kNone) {
             const std::vector<Contrast>& found = placed_[j].gathered.contrasts;
@@ -163,10 +167,9 @@ RecordSite Placer::siteAt(const Choice& choice) const {
 
 // The radius a record at a pixel will most likely have: that of the nearest one placed so far,
 // since neighbours on a surface have similar ones, within the bounds that clampedRadius() keeps.
-float Placer::predictedRadius(const Choice& choice) const {
-    const size_t nearest = choice.nearest[0];
+float Placer::predictedRadius(int pixel, size_t nearest) const {
     return std::clamp(nearest == kNone ? kInfinity : placed_[nearest].gathered.record.radius,
-                      leastRadius(footprint(choice.pixel)), greatestRadius(choice.pixel));
+                      leastRadius(footprint(pixel)), greatestRadius(pixel));
 }
 
 // The next sites, from `pixel` on: pixels that are missed and that no site chosen before them is
@@ -193,8 +196,9 @@ std::vector<Placer::Choice> Placer::chooseSites(int pixel, int stride) const {
                                         footprint(i)) > shared::MIN_WEIGHT_SUM;
         });
         if (!served) {
-            choices.push_back({i, nearestTo(p)});
-            chosen.push_back({p, n, predictedRadius(choices.back()), order(i)});
+            const Nearest nearest = nearestTo(p);
+            choices.push_back({i, nearest, predictedRadius(i, nearest[0])});
+            chosen.push_back({p, n, choices.back().radius, order(i)});
         }
     }
     return choices;
@@ -204,12 +208,7 @@ std::vector<Placer::Choice> Placer::chooseSites(int pixel, int stride) const {
 void Placer::place(const std::vector<Choice>& choices, bool first) {
     std::vector<RecordSite> sites;
     for (const Choice& choice : choices) {
-        sites.push_back(siteAt(choice));
-        sites.back().first = first;
-        if (!first) {  // of the first nothing is known
-            sites.back().reach =
-                predictedRadius(choice) * params_.accuracy / footprint(choice.pixel);
-        }
+        sites.push_back(siteAt(choice, first));
     }
     std::vector<GatheredRecord> gathered = gather_(sites);
     SHEEN_CHECK_EQ(gathered.size(), sites.size());

@@ -25,6 +25,9 @@ constexpr float kMostRays = 64.0f;
 constexpr size_t kMostContrasts = 128;
 // Steps of the R2 sequence, whose points fill a square evenly, however many there are [Rob18].
 constexpr vec2 kSpread(0.7548777f, 0.5698403f);
+// From so many rays on, a texel's standard deviation is theirs; below, that from its neighbours.
+constexpr int kEnoughRays = 4;
+
 // A record's noise shows in all pixels it serves: their number pays for its rays, up to a point,
 // since noise is not all that is wrong. From record to record the side of the hemisphere goes with
 // the fourth root of the reach, in steps, since each size needs matrices of its own.
@@ -32,9 +35,6 @@ constexpr float kUsualReach = 5.0f;
 constexpr float kSideStep = 1.25f;
 constexpr float kMostSteps = 2.0f;
 constexpr int kEnoughTexels = 128;  // no record takes more for its reach
-
-// From so many rays on, a texel's standard deviation is theirs; below, that from its neighbours.
-constexpr int kEnoughRays = 4;
 
 // A face of the hemisphere in world space.
 struct WorldFace {
@@ -217,13 +217,13 @@ int sideForReach(int usual, float reach) {
     }
     const float steps = 0.25f * std::log(reach / kUsualReach) / std::log(kSideStep);
     const float step = std::round(std::clamp(steps, -kMostSteps, kMostSteps));
-    if (step == 0.0f || (step > 0.0f && usual >= kEnoughTexels)) {
+    if (step == 0.0f) {
         return usual;
     }
     // A hemicube's sides have half the rows.
     const float half = 0.5f * static_cast<float>(usual) * std::pow(kSideStep, step);
     const int side = 2 * static_cast<int>(std::lround(half));
-    return step > 0.0f ? std::min(side, kEnoughTexels) : side;
+    return std::min(side, std::max(usual, kEnoughTexels));
 }
 
 // The resolution of each site, with the matrices that it needs.

@@ -133,8 +133,7 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                    fmt::format("radiance, irradiance: texels along a side of that plane ({} at the "
                                "default accuracy, rasterised {}), by rays that of a record which "
                                "reaches 5 pixels, farther reaching ones having more; octree: rings "
-                               "of a record's rays; "
-                               "default: by the accuracy",
+                               "of a record's rays; default: by the accuracy",
                                gatherSize(GatherRoad::kRays, p.placement.accuracy),
                                gatherSize(GatherRoad::kRaster, p.placement.accuracy)))
                 ->check(numberIn(8, 512)),
