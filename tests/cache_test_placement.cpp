@@ -52,6 +52,14 @@ TEST(Placement, NothingSeenNothingPlaced) {
     EXPECT_TRUE(place(empty, {}).cache.records.empty());
 }
 
+TEST(Placement, APixelThatNothingServesIsCounted) {
+    Stage stage = makeStage(0, 0);
+    constexpr int kPixel = kWidth * (kHeight - 1) + kWidth / 2;
+    ASSERT_TRUE(stage.gbuffer.seen(kPixel));
+    stage.gbuffer.normal.pixels[kPixel] = vec4(std::nanf(""));
+    EXPECT_EQ(place(stage, {}).uncovered, 1);
+}
+
 TEST(Placement, GlossyPixelsAreServedByRecordsOfTheirClass) {
     for (const auto& [left, right] : {std::pair(0, 4), std::pair(6, 3), std::pair(10, 0)}) {
         const Stage stage = makeStage(left, right);

@@ -206,6 +206,12 @@ TEST(Child, outputAndTime) {
         300000u);
 }
 
+TEST(Child, warningsAreHandedOn) {
+    const char* script = "printf 'sheen: warning: a\\nother\\nsheen: warning: b c\\n' >&2";
+    EXPECT_EQ(runChild({"/bin/sh", "-c", script}, {}).warnings,
+              (std::vector<std::string>{"a", "b c"}));
+}
+
 TEST(Child, errorsKeepTheirCode) {
     const auto end = [](const char* script) {
         return codeOf([script] { runChild({"/bin/sh", "-c", script}, {}); });

@@ -254,6 +254,41 @@ TEST_F(CliTest, fullStandardOutput) {
     const Outcome run = call("info scene.gltf --json - >/dev/full");
     EXPECT_EQ(run.code, 4) << run.err;
     EXPECT_NE(run.err.find("standard output"), std::string::npos);
+    EXPECT_EQ(call("info scene.gltf >/dev/full").code, 4);
+    EXPECT_EQ(call("--help >/dev/full").code, 4);
+}
+
+TEST_F(CliTest, nobodyReadsTheErrors) {
+    EXPECT_EQ(call("info none.gltf 2>/dev/full").code, 3);
+    EXPECT_EQ(call("info none.gltf 2>&-").code, 3);
+    EXPECT_EQ(call("render 2>/dev/full").code, 2);
+}
+
+TEST_F(CliTest, numbersAreDecimal) {
+    for (const char* option : {"--spp 010", "--seed 07", "--seed -1", "--threads 01"}) {
+        expectError(std::string(kReference) + " " + option, ExitCode::kUsage, "is not a number");
+    }
+    EXPECT_EQ(call("render scene.gltf --size 8x8 --accuracy 0.5").code, 0);
+}
+
+TEST_F(CliTest, pathsArePrintedAsTraced) {
+    const Outcome run = call("render scene.gltf --method reference --size 8x8 --spp 5 --json -");
+    EXPECT_EQ(Json::parse(run.out)["spp"], 8);  // four replicates of two
+}
+
+TEST_F(CliTest, anEstimateOfNothingIsNone) {
+    const Outcome run = call("render scene.gltf --size 1x1");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("estimate  none"), std::string::npos) << run.out;
+    EXPECT_TRUE(Json::parse(call("render scene.gltf --size 1x1 --json -").out)["estimated_rel_rmse"]
+                    .is_null());
+}
+
+TEST_F(CliTest, compareNamesTheFile) {
+    ASSERT_EQ(call("render scene.gltf --size 8x8 -o small.exr").code, 0);
+    ASSERT_EQ(call("render scene.gltf --size 9x8 -o large.exr").code, 0);
+    expectError("compare small.exr large.exr", ExitCode::kInput,
+                "small.exr has 8x8 pixels, large.exr 9x8");
 }
 
 TEST_F(CliTest, renderNamesItsOutput) {

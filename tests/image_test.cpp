@@ -204,6 +204,17 @@ TEST_F(ExrTest, valuesBeyondHalfClampAndAreCounted) {
     EXPECT_EQ(colorLayer(exr, "indirect").at(0, 0), vec3(65504.0f, -65504.0f, 65504.0f));
 }
 
+TEST_F(ExrTest, dimLightKeepsItsDigits) {
+    // As in a scene of millimetres.
+    Frame frame = basicFrame();
+    for (vec3& pixel : frame.indirect.pixels) {
+        pixel *= 1e-7f;
+    }
+    frame.indirect.at(0, 0) = vec3(1.1e-6f, 3.3e-9f, 0.0f);
+    writeExr(file("a.exr"), frame, ExrLayers::kBasic);
+    EXPECT_EQ(colorLayer(readExr(file("a.exr")), "indirect").pixels, frame.indirect.pixels);
+}
+
 TEST_F(ExrTest, notANumberStaysVisible) {
     Frame frame = basicFrame();
     frame.indirect.at(1, 1).y = std::nanf("");

@@ -45,6 +45,64 @@ Scene cutRoom(float thickness) {
     return scene;
 }
 
+// Walls with a spot's light on one of them, 2 units wide, about a point.
+Scene roomAbout(const vec3& middle) {
+    Scene scene;
+    addBox(scene, middle - 1.0f, middle + 1.0f, addMaterial(scene, diffuseParams(vec3(0.8f))),
+           true);
+    scene.lights.push_back(pointLight(middle + vec3(-0.375f, 0.125f, 0.25f), vec3(1)));
+    scene.cameras.push_back(
+        lookAt(middle + vec3(0.875f, 0.5f, 0.875f), middle + vec3(0, -0.625f, -0.375f)));
+    return scene;
+}
+
+double meanOf(const Image<vec3>& image) {
+    double sum = 0.0;
+    for (const vec3& pixel : image.pixels) {
+        sum += luminance(pixel);
+    }
+    return sum / static_cast<double>(image.pixels.size());
+}
+
+TEST(Stability, FarFromTheOrigin) {
+    const auto render = [](float away, GatherRoad road) {
+        RenderParams params = smallRender(kSize, kSize);
+        params.gather_road = road;
+        RenderResult result = renderFrame(roomAbout(vec3(away, 0, -away)), params);
+        expectFiniteAndCovered(result);
+        return result.frame;
+    };
+    for (const GatherRoad road : {GatherRoad::kRays, GatherRoad::kRaster}) {
+        const Frame here = render(0.0f, road);
+        for (const float away : {512.0f, 4096.0f}) {  // in floats a step is 1 / 16384, 1 / 2048
+            const Frame there = render(away, road);
+            const double tolerance = away < 1000.0f ? 0.01 : 0.03;
+            EXPECT_NEAR(meanOf(there.direct), meanOf(here.direct), tolerance * meanOf(here.direct));
+            EXPECT_NEAR(meanOf(there.indirect), meanOf(here.indirect),
+                        tolerance * meanOf(here.indirect));
+        }
+    }
+}
+
+TEST(Stability, NormalsThatCancelBetweenCorners) {
+    // The pixel's centre is the middle of the diagonal, whose ends have opposite normals.
+    Scene scene;
+    addQuad(scene, vec3(-1, -1, 0), vec3(2, 0, 0), vec3(0, 2, 0),
+            addMaterial(scene, diffuseParams(vec3(0.5f))));
+    for (size_t i = 0; i < scene.normals.size(); ++i) {
+        scene.normals[i] = vec3(0, 0, scene.positions[i].x < 0.0f ? 1 : -1);
+    }
+    scene.lights.push_back(pointLight(vec3(0, 0, 2), vec3(1)));
+    scene.cameras.push_back(lookAt(vec3(0, 0, 4), vec3(0)));
+    for (const int size : {1, 5}) {
+        RenderParams params = smallRender(size, size);
+        params.all_layers = true;
+        const RenderResult result = renderFrame(scene, params);
+        expectFiniteAndCovered(result);
+        EXPECT_EQ(result.frame.normal.at(size / 2, size / 2), vec3(0, 0, 1)) << size;
+    }
+}
+
 TEST(Stability, NothingPassesAThinWall) {
     // The lit side is as bright as 1. By rays nothing passes. By raster a texel of light stored on
     // the floor at the wall's foot may lie on both sides, docs/raster.md.

@@ -217,7 +217,10 @@ GltfFile textured() {
     file.json["textures"] = Json::array({{{"source", 0}, {"sampler", 0}}});
     file.json["materials"] =
         Json::array({{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}});
-    file.json["meshes"][0]["primitives"][0]["material"] = 0;
+    Json& primitive = file.json["meshes"][0]["primitives"][0];
+    primitive["material"] = 0;
+    primitive["attributes"]["TEXCOORD_0"] =
+        file.addAccessor<float>({0, 0, 1, 0, 0, 1}, kFloat, "VEC2", 2);
     return file;
 }
 
@@ -362,6 +365,13 @@ TEST(SceneLoader, NamesWhatItLeavesOut) {
           "KHR_materials_clearcoat"}) {
         EXPECT_TRUE(warnsOf(scene, text)) << text;
     }
+}
+
+TEST(SceneLoader, TexturesWithoutCoordinatesAreWarnedOf) {
+    GltfFile file = textured();
+    EXPECT_FALSE(warnsOf(file.load(), "without TEXCOORD_0"));
+    file.json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
+    EXPECT_TRUE(warnsOf(file.load(), "without TEXCOORD_0"));
 }
 
 TEST(SceneCamera, IsFoundByNameAndByIndex) {

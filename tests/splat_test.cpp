@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include "scene/brdf_albedo.h"
@@ -274,7 +275,9 @@ struct Composed {
 };
 
 // A 4 x 1 image of a diffuse surface; the splat is given.
-Composed composeFour(const std::array<vec4, 4>& irradiance, int order) {
+Composed composeFour(
+    const std::array<vec4, 4>& irradiance, int order,
+    const std::function<void(GBuffer&)>& change = [](GBuffer&) {}) {
     GBuffer g;
     g.width = 4;
     g.height = 1;
@@ -285,6 +288,7 @@ Composed composeFour(const std::array<vec4, 4>& irradiance, int order) {
     g.f0 = g.emission = Image<vec4>(4, 1);
     g.direct = Image<vec4>(4, 1, vec4(1, 2, 3, 0));
     g.primitive = Image<uint32_t>(4, 1, 0u);
+    change(g);
     PixelClasses classes;
     classes.orders = Image<int>(4, 1, order);
     classes.by_rays = Image<uint8_t>(4, 1);
@@ -327,6 +331,18 @@ TEST(Compose, CountsAndMendsWhatIsNotFinite) {
         EXPECT_EQ(c.frame.indirect.at(0, 0), vec3(0.0f));
         EXPECT_GT(c.frame.indirect.at(3, 0).x, 0.0f);
     }
+}
+
+TEST(Compose, DirectLightThatIsNotFiniteIsMendedToo) {
+    const vec4 sound(1, 1, 1, 1);
+    const Composed c = composeFour({sound, sound, sound, sound}, 0, [](GBuffer& gbuffer) {
+        gbuffer.direct.at(1, 0).y = kInfinity;
+        gbuffer.direct.at(2, 0).x = 3.0f;
+    });
+    EXPECT_EQ(c.counts.nonfinite, 1);
+    EXPECT_EQ(c.frame.direct.at(1, 0), vec3(0.0f));
+    EXPECT_EQ(c.frame.direct.at(2, 0).x, 3.0f);
+    EXPECT_GT(c.frame.indirect.at(1, 0).x, 0.0f);
 }
 
 TEST(Compose, CountsAndClampsWhatIsNegative) {

@@ -83,6 +83,23 @@ TEST(Estimate, TracksTheErrorBetweenRecords) {
     }
 }
 
+TEST(Estimate, NothingIsKnownWhereNoRecordServesAnother) {
+    Stage stage = makeStage(0, 0);
+    constexpr int kPixel = kWidth * kHeight - 1;
+    for (int i = 0; i < kPixel; ++i) {
+        stage.gbuffer.position.pixels[static_cast<size_t>(i)].w = 0.0f;
+        stage.classes.orders.pixels[static_cast<size_t>(i)] = kNoOrder;
+    }
+    ASSERT_TRUE(stage.gbuffer.seen(kPixel));
+    const PixelLobes lobes = buildLobes(stage.gbuffer, stage.classes);
+    const PlacementParams params;
+    const Placement placement = place(stage, params);
+    ASSERT_EQ(placement.cache.records.size(), 1u);
+    EXPECT_EQ(estimateRelRmse(stage.gbuffer, stage.classes, lobes, placement,
+                              params.servingWeight(), Image<vec3>(kWidth, kHeight, vec3(1.0f))),
+              kInfinity);
+}
+
 TEST(Estimate, NothingSeenIsNoError) {
     Stage stage = makeStage(0, 0);
     for (int& order : stage.classes.orders.pixels) {

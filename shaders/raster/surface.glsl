@@ -86,7 +86,8 @@ Surface surfaceAt(uint triangle, vec3 origin, vec3 direction, float texel_solid_
     vec3 scaled_normal = cross(e1, e2);  // its length is twice the area
     float area2 = length(scaled_normal);
     surface.n_g = faceViewer(scaled_normal / area2, wo);
-    surface.n = shadingNormal(normalize(b0 * t.n0 + b1 * t.n1 + b2 * t.n2), surface.n_g, wo);
+    vec3 n = interpolatedNormal(b0 * t.n0 + b1 * t.n1 + b2 * t.n2, surface.n_g);
+    surface.n = shadingNormal(n, surface.n_g, wo);
     surface.scene_triangle = t.scene_triangle;
     surface.lod_error = t.lod_error;
     PackedMaterial m = materials[t.material];

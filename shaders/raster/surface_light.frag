@@ -41,7 +41,7 @@ void main() {
     float area2 = length(scaled_normal);
     vec3 n_g = scaled_normal / area2;
     vec3 p = t.p0 + b1 * e1 + b2 * e2;
-    vec3 n = normalize(b0 * t.n0 + b1 * t.n1 + b2 * t.n2);
+    vec3 n = interpolatedNormal(b0 * t.n0 + b1 * t.n1 + b2 * t.n2, n_g);
     n = dot(n, n_g) < 0.0 ? -n : n;
     PackedMaterial m = materials[t.material];
     vec3 base_color = m.params.base_color;

@@ -142,6 +142,12 @@ FN vec3 faceViewer(IN(vec3) n_g, IN(vec3) wo) {
     return dot(n_g, wo) < 0.0f ? -n_g : n_g;
 }
 
+// The unit normal interpolated from a triangle's corners, whose sum is `sum`; `n_g` where they
+// cancel each other.
+FN vec3 interpolatedNormal(IN(vec3) sum, IN(vec3) n_g) {
+    return length(sum) > 1e-6f ? normalize(sum) : n_g;
+}
+
 // The shading normal on the side of `n_g` (already facing the viewer), bent toward the viewer where
 // interpolation turned it away, so that dot(n, wo) >= MIN_VIEW_COSINE.
 FN vec3 shadingNormal(IN(vec3) n_interpolated, IN(vec3) n_g, IN(vec3) wo) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "reference/sobol.h"
@@ -240,6 +241,10 @@ IrradianceCacheResult renderIrradianceCache(const Scene& scene,
     result.records = static_cast<int>(pass.octree.records().size());
     result.rays = pass.counters.rays;
     result.nonfinite_samples = pass.counters.nonfinite;
+    if (result.nonfinite_samples > 0) {
+        warn(fmt::format("the octree's records dropped {} samples that were not finite",
+                         result.nonfinite_samples));
+    }
     return result;
 }
 

@@ -38,11 +38,11 @@ Image<vec4> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
                     const size_t i = pixels[k];
                     const vec4& normal = gbuffer.normal.pixels[i];
                     const vec4& diffuse = gbuffer.diffuse.pixels[i];
-                    const Surface surface{.n = vec3(normal),
-                                          .brdf = {.diffuse = vec3(diffuse),
-                                                   .alpha = shared::alphaFromRoughness(normal.w),
-                                                   .f0 = vec3(gbuffer.f0.pixels[i]),
-                                                   .f90 = diffuse.w}};
+                    const Scatterer surface{.n = vec3(normal),
+                                            .brdf = {.diffuse = vec3(diffuse),
+                                                     .alpha = shared::alphaFromRoughness(normal.w),
+                                                     .f0 = vec3(gbuffer.f0.pixels[i]),
+                                                     .f90 = diffuse.w}};
                     direct.pixels[i] +=
                         vec4(scattered(surface, receivers[k].toward_viewer,
                                        shared::sampleLight(light, receivers[k].position)),

@@ -54,6 +54,9 @@ double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, cons
         known_sum += error2[k];
         ++known;
     }
+    if (known == 0 && !records.empty()) {
+        return kInfinity;
+    }
     // Records that no other reaches err as the others do on average.
     for (double& e : error2) {
         if (e < 0.0) {

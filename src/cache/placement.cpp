@@ -50,6 +50,7 @@ class Placer {
           gather_(gather),
           creases_(findCreases(gbuffer)),
           sums_(gbuffer.width, gbuffer.height),
+          unserved_(gbuffer.width, gbuffer.height),
           tree_(scene.bounds) {}
 
     Placement run(bool quiet);
@@ -69,7 +70,8 @@ class Placer {
     }
     int order(int i) const { return classes_.orders.pixels[static_cast<size_t>(i)]; }
     bool missed(int i) const {
-        return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered;
+        return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered &&
+               unserved_.pixels[static_cast<size_t>(i)] == 0;
     }
 
     float leastRadius(float pixel_footprint) const {
@@ -120,6 +122,7 @@ class Placer {
     const GatherFunction& gather_;
     const Image<uint8_t> creases_;
     Image<uint32_t> sums_;
+    Image<uint8_t> unserved_;  // pixels that not even a record of their own serves
     std::vector<Placed> placed_;
     RecordTree tree_;
     Placement result_;
@@ -222,6 +225,9 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
         clampNeighbours(placed_.size() - 1);
         tree_.insert(record.position, record.radius);
         splat(record, true);
+        // Its own pixel is served, whatever its radius, where numbers are sound: else the scan
+        // would come back for ever.
+        unserved_.pixels[static_cast<size_t>(pixel)] = missed(pixel) ? 1 : 0;
     }
 }
 
@@ -377,18 +383,21 @@ Placement Placer::run(bool quiet) {
     for (int stride = params_.coarsest_stride; stride >= 1; stride /= 2) {
         Progress progress(fmt::format("placing records, every {} pixels", stride), count, quiet);
         bool placed_any = true;
+        int passed = 0;
         while (placed_any) {
             placed_any = false;
             for (int i = 0; i < count; i = nextPixel(i, stride)) {
                 if (missed(i)) {
+                    progress.advance(std::max(i - passed, 0));
+                    passed = std::max(passed, i);
                     place(chooseSites(i, stride), stride == params_.coarsest_stride);
                     placed_any = stride == 1;
                 }
             }
         }
     }
-    for (int i = 0; i < count; ++i) {
-        result_.uncovered += missed(i) ? 1 : 0;
+    for (uint8_t unserved : unserved_.pixels) {
+        result_.uncovered += unserved;
     }
     // Bound the gradients against the final radii: within its reach a record may change its value
     // by no more than a share of it.

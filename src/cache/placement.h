@@ -53,7 +53,7 @@ using GatherFunction = std::function<std::vector<GatheredRecord>(std::span<const
 struct Placement {
     RecordCache cache;
     std::vector<int> pixels;  ///< that the records lie at
-    int uncovered = 0;  ///< pixels with geometry that no record serves; always 0 by construction
+    int uncovered = 0;  ///< pixels with geometry that no record serves: 0 where numbers are sound
 };
 
 /// Scans the image and gathers records where pixels are not served yet, until all are: first on a

@@ -77,7 +77,7 @@ RasterGatherer::RasterGatherer(gl::WorkerPool& pool, const Scene& scene, const G
 }
 
 RasterGatherer::~RasterGatherer() {
-    pool_.run([&](int index) { workers_[static_cast<size_t>(index)].reset(); });
+    pool_.release([&](int index) { workers_[static_cast<size_t>(index)].reset(); });
 }
 
 GatherSeconds RasterGatherer::seconds() const {

@@ -164,6 +164,67 @@ int raysMore(float contrast) {
     return contrast >= kLeastContrast ? static_cast<int>(std::min(contrast, kMostRays)) : 0;
 }
 
+// One ray through each texel, at a random place of its own.
+TexelRays raysThroughTexels(const Hemisphere& h, std::span<const WorldFace> faces, const vec3& n_g,
+                            uint32_t index) {
+    TexelRays rays{.n_g = n_g};
+    rays.reserve(static_cast<size_t>(h.texelCount()));
+    for (size_t f = 0; f < faces.size(); ++f) {
+        const HemisphereFace& face = h.faces[f];
+        for (int y0 = 0; y0 < face.height; y0 += kBlockHeight) {
+            for (int x0 = 0; x0 < face.width; x0 += kBlockWidth) {
+                for (int y = y0; y < std::min(y0 + kBlockHeight, face.height); ++y) {
+                    for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
+                        const size_t t = texelOf(h, face, x, y);
+                        const vec2 place = randomPlace(index, static_cast<uint32_t>(t));
+                        rays.add(faces[f].direction(x, y, place), h.solid_angles[t], t);
+                    }
+                }
+            }
+        }
+    }
+    return rays;
+}
+
+// More where light changes, spread evenly over the texel from a random place on [Rob18].
+TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const WorldFace> faces,
+                                const vec3& n_g, uint32_t index, std::span<const float> contrasts) {
+    TexelRays rays{.n_g = n_g};
+    rays.reserve(2 * contrasts.size());
+    for (size_t f = 0; f < faces.size(); ++f) {
+        const HemisphereFace& face = h.faces[f];
+        for (int y = 0; y < face.height; ++y) {
+            for (int x = 0; x < face.width; ++x) {
+                const size_t t = texelOf(h, face, x, y);
+                const int count = raysMore(contrasts[t]);
+                const float solid_angle = h.solid_angles[t] / static_cast<float>(1 + count);
+                const vec2 start = randomPlace(index, static_cast<uint32_t>(contrasts.size() + t));
+                for (int k = 0; k < count; ++k) {
+                    const vec2 place = glm::fract(start + static_cast<float>(k) * kSpread);
+                    rays.add(faces[f].direction(x, y, place), solid_angle, t);
+                }
+            }
+        }
+    }
+    return rays;
+}
+
+// Makes texels, of one ray each, the means of radiance and of the distance's inverse over all rays.
+void addRays(const TexelRays& more, std::span<const vec4> more_seen,
+             std::span<const float> contrasts, std::span<vec4> texels) {
+    const auto inverse = [](float distance) { return distance > 0.0f ? 1.0f / distance : 0.0f; };
+    for (vec4& texel : texels) {
+        texel.w = inverse(texel.w);
+    }
+    for (size_t i = 0; i < more.of.size(); ++i) {
+        texels[more.of[i]] += vec4(vec3(more_seen[i]), inverse(more_seen[i].w));
+    }
+    for (size_t t = 0; t < texels.size(); ++t) {
+        texels[t] /= static_cast<float>(1 + raysMore(contrasts[t]));
+        texels[t].w = inverse(texels[t].w);
+    }
+}
+
 // Contrasts found by all rays of a record: `more` went through some texels and saw `more_seen`.
 std::vector<Contrast> findContrasts(const Hemisphere& h, std::span<const vec4> texels,
                                     std::span<const float> weights, const TexelRays& more,
@@ -300,23 +361,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
     texels.resize(static_cast<size_t>(h.texelCount()));
     result.texels.planes.resize(texels.size());
 
-    // One ray a texel.
-    TexelRays first{.n_g = site.geometric_normal};
-    first.reserve(texels.size());
-    for (size_t f = 0; f < faces.size(); ++f) {
-        const HemisphereFace& face = h.faces[f];
-        for (int y0 = 0; y0 < face.height; y0 += kBlockHeight) {
-            for (int x0 = 0; x0 < face.width; x0 += kBlockWidth) {
-                for (int y = y0; y < std::min(y0 + kBlockHeight, face.height); ++y) {
-                    for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
-                        const size_t t = texelOf(h, face, x, y);
-                        const vec2 place = randomPlace(index, static_cast<uint32_t>(t));
-                        first.add(faces[f].direction(x, y, place), h.solid_angles[t], t);
-                    }
-                }
-            }
-        }
-    }
+    const TexelRays first = raysThroughTexels(h, faces, site.geometric_normal, index);
     std::vector<vec3> planes(first.of.size());
     const std::vector<vec4> first_seen = first.cast(rays_, eye, cells_, planes.data());
     for (size_t i = 0; i < first.of.size(); ++i) {
@@ -324,42 +369,13 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
         result.texels.planes[first.of[i]] = planes[i] * frame;  // into the record's frame
     }
 
-    // More where light changes, spread evenly over the texel from a random place on [Rob18].
     std::vector<float> contrasts = contrastsOfNeighbours(h, relativeLight(texels, weights));
     // What is smaller than a texel deviates, over what a texel brings, as the side.
     const float sharpness = static_cast<float>(h.params.size) / static_cast<float>(params_.size);
     heedContrasts(h, faces, eye, found, sharpness, contrasts);
-    TexelRays more{.n_g = site.geometric_normal};
-    more.reserve(2 * texels.size());
-    for (size_t f = 0; f < faces.size(); ++f) {
-        const HemisphereFace& face = h.faces[f];
-        for (int y = 0; y < face.height; ++y) {
-            for (int x = 0; x < face.width; ++x) {
-                const size_t t = texelOf(h, face, x, y);
-                const int count = raysMore(contrasts[t]);
-                const float solid_angle = h.solid_angles[t] / static_cast<float>(1 + count);
-                const vec2 start = randomPlace(index, static_cast<uint32_t>(texels.size() + t));
-                for (int k = 0; k < count; ++k) {
-                    const vec2 place = glm::fract(start + static_cast<float>(k) * kSpread);
-                    more.add(faces[f].direction(x, y, place), solid_angle, t);
-                }
-            }
-        }
-    }
+    const TexelRays more = raysWhereLightChanges(h, faces, site.geometric_normal, index, contrasts);
     const std::vector<vec4> more_seen = more.cast(rays_, eye, cells_);
-
-    // The mean of radiance, and of the distance's inverse, over all rays of a texel.
-    const auto inverse = [](float distance) { return distance > 0.0f ? 1.0f / distance : 0.0f; };
-    for (vec4& texel : texels) {
-        texel.w = inverse(texel.w);
-    }
-    for (size_t i = 0; i < more.of.size(); ++i) {
-        texels[more.of[i]] += vec4(vec3(more_seen[i]), inverse(more_seen[i].w));
-    }
-    for (size_t t = 0; t < texels.size(); ++t) {
-        texels[t] /= static_cast<float>(1 + raysMore(contrasts[t]));
-        texels[t].w = inverse(texels[t].w);
-    }
+    addRays(more, more_seen, contrasts, texels);
     result.rays = static_cast<int64_t>(first.of.size() + more.of.size());
     result.contrasts = findContrasts(h, texels, weights, more, more_seen, eye, frame);
     for (Contrast& c : result.contrasts) {

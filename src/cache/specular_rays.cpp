@@ -78,7 +78,7 @@ Seen see(const RayCaster& rays, const LightCells* cells, const GBuffer& gbuffer,
             all += weight;
             if (glm::dot(direction, n_g) > 0.0f) {
                 directions[count] = glm::normalize(direction);
-                // One over the rays' density: D G1 / (4 NoV) of each. [Hei18, eq. 19]
+                // One over the rays' density: D G1 / (4 NoV) of each. [Hei18, eq. 17]
                 const float density = static_cast<float>(rows * kRowSamples) *
                                       shared::distributionGgx(h.z, lobe.alpha) *
                                       maskingSmith(NoV, lobe.alpha) / (4.0f * NoV);

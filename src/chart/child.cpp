@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/timer.h"
@@ -18,6 +19,7 @@ namespace sheen {
 namespace {
 
 const char* const kErrorPrefix = "sheen: error: ";
+const char* const kWarningPrefix = "sheen: warning: ";
 constexpr int kCannotRun = 127;  // what a shell returns as well
 
 class Pipe {
@@ -96,6 +98,17 @@ void readBoth(Pipe& first, std::string& first_text, Pipe& second, std::string& s
     }
 }
 
+std::vector<std::string> warningsIn(const std::string& err) {
+    std::vector<std::string> warnings;
+    std::istringstream lines(err);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with(kWarningPrefix)) {
+            warnings.push_back(line.substr(std::strlen(kWarningPrefix)));
+        }
+    }
+    return warnings;
+}
+
 [[noreturn]] void rethrow(int code, const std::string& program, const std::string& err) {
     const size_t at = err.rfind(kErrorPrefix);
     if (at == std::string::npos) {
@@ -148,6 +161,7 @@ ChildRun runChild(const std::vector<std::string>& command,
     if (WEXITSTATUS(status) != 0) {
         rethrow(WEXITSTATUS(status), command[0], err_text);
     }
+    run.warnings = warningsIn(err_text);
     return run;
 }
 

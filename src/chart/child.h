@@ -9,6 +9,7 @@ namespace sheen {
 struct ChildRun {
     double seconds = 0;  ///< wall clock, from before the process starts until it has ended
     std::string out;     ///< what it wrote to standard output
+    std::vector<std::string> warnings = {};  ///< of a sheen command, without "sheen: warning: "
 };
 
 /// Runs `command` (program and arguments) with `variables` ("NAME=value") added to the environment,

@@ -59,7 +59,9 @@ void judgeScene(const std::string& folder, ChartScene& scene) {
                                     .reference = truth,
                                     .reference_variance = &colorLayer(reference, kVarianceLayer),
                                     .test_primitive = &image.primitive,
-                                    .reference_primitive = &reference.primitive};
+                                    .reference_primitive = &reference.primitive,
+                                    .test_name = image.path,
+                                    .reference_name = reference.path};
         point.errors = compareImages(input);
         point.image_png = pngBytes(displayImage(input.test, exposure));
         point.heatmap_png = pngBytes(bytesFromDisplay(heatmap(input)));

@@ -216,8 +216,8 @@ class Sweep {
             scene.reference_seconds = stored->measured.seconds;
             return;
         }
-        fmt::print(stderr, "reference {} of {}: {}, {} paths a pixel\n", s + 1, scenes_.size(),
-                   scene.name, params.spp);
+        say(fmt::format("reference {} of {}: {}, {} paths a pixel\n", s + 1, scenes_.size(),
+                        scene.name, params.spp));
         const Timer timer;
         const RenderResult result = renderFrame(loadScene(scene.file), params);
         writeExr(exr.string(), result.frame, ExrLayers::kBasic);
@@ -282,7 +282,7 @@ class Sweep {
                             .seconds = task.stored ? task.stored->measured.seconds : -1});
         }
         if (done > 0) {
-            fmt::print(stderr, "{} of {} points were measured before\n", done, tasks.size());
+            say(fmt::format("{} of {} points were measured before\n", done, tasks.size()));
         }
         const Task* warmed = nullptr;
         for (size_t i = 0; i < tasks.size(); ++i) {
@@ -295,10 +295,10 @@ class Sweep {
                 jobs[i].seconds = task.stored->measured.seconds;
                 ++done;
                 const double left = secondsLeft(jobs, params_.repeats);
-                fmt::print(stderr, "[{}/{}] {}, {}, {}: {:.2f} s{}\n", done, tasks.size(),
-                           scenes_[task.scene].name, task.method->label,
-                           settingLabel(*task.method, *task.setting), jobs[i].seconds,
-                           done == tasks.size() ? "" : "; about " + timeText(left) + " left");
+                say(fmt::format("[{}/{}] {}, {}, {}: {:.2f} s{}\n", done, tasks.size(),
+                                scenes_[task.scene].name, task.method->label,
+                                settingLabel(*task.method, *task.setting), jobs[i].seconds,
+                                done == tasks.size() ? "" : "; about " + timeText(left) + " left"));
             }
             scenes_[task.scene].points.push_back(
                 {.method = task.method->name,
@@ -335,18 +335,20 @@ class Sweep {
     // cache of their own, which leaves the user's alone, does that, and is itself a figure.
     void measure(Task& task, bool cold) {
         const std::string exr = task.file.string() + ".exr";
+        std::error_code ignored;
+        fs::remove(task.file.string() + ".json", ignored);  // what it says is not of this image
         const std::vector<std::string> variables = {"MESA_SHADER_CACHE_DIR=" +
                                                     fs::absolute(shader_cache_).string()};
         Measurement measured;
         measured.host = host_;
         if (cold) {
-            std::error_code ignored;
             fs::remove_all(shader_cache_, ignored);
             const double seconds =
                 runChild(commandOf(task, task.method->settings.front(), exr), variables).seconds;
             measured.cold_seconds = task.first ? seconds : -1;
         }
         std::vector<Json> stats;
+        std::vector<std::string> warnings;  // of the last run: all say the same
         double spent = 0;
         while (measured.runs.empty() || (static_cast<int>(measured.runs.size()) < params_.repeats &&
                                          spent < kEnoughSeconds)) {
@@ -354,6 +356,11 @@ class Sweep {
             measured.runs.push_back(run.seconds);
             spent += run.seconds;
             stats.push_back(Json::parse(run.out));
+            warnings = run.warnings;
+        }
+        for (const std::string& warning : warnings) {
+            warn(fmt::format("{}, {}, {}: {}", scenes_[task.scene].name, task.method->label,
+                             settingLabel(*task.method, *task.setting), warning));
         }
         measured.seconds = median(measured.runs);
         takeStats(stats, measured);

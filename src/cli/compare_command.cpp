@@ -104,7 +104,9 @@ ExitCode runCompare(const CompareOptions& o) {
         .reference = colorLayer(reference, o.layer),
         .reference_variance = variance.empty() ? nullptr : &variance,
         .test_primitive = test.primitive.empty() ? nullptr : &test.primitive,
-        .reference_primitive = reference.primitive.empty() ? nullptr : &reference.primitive};
+        .reference_primitive = reference.primitive.empty() ? nullptr : &reference.primitive,
+        .test_name = o.test,
+        .reference_name = o.reference};
     const Comparison comparison = compareImages(input);
     if (!o.heatmap.empty()) {
         writePng(o.heatmap, bytesFromDisplay(heatmap(input)));

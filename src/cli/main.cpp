@@ -3,8 +3,10 @@
 #include <csignal>
 #include <new>
 #include <string>
+#include <system_error>
 
 #include "cli/commands.h"
+#include "cli/output.h"
 #include "image/atomic_file.h"
 
 namespace sheen::cli {
@@ -30,7 +32,7 @@ void installSignalHandlers() {
 
 int reportError(ExitCode code, std::string message) {
     std::replace(message.begin(), message.end(), '\n', ' ');
-    fmt::print(stderr, "sheen: error: {}\n", message);
+    say(fmt::format("sheen: error: {}\n", message));
     return static_cast<int>(code);
 }
 
@@ -75,9 +77,13 @@ int main(int argc, char** argv) {
     using sheen::cli::reportError;
     sheen::cli::installSignalHandlers();
     try {
-        return sheen::cli::parseAndRun(argc, argv);
+        const int code = sheen::cli::parseAndRun(argc, argv);
+        sheen::cli::flushOutput();
+        return code;
     } catch (const sheen::Error& error) {
         return reportError(error.code(), error.what());
+    } catch (const std::system_error& error) {  // of threads, and of printing
+        return reportError(ExitCode::kEnvironment, error.what());
     } catch (const std::bad_alloc&) {
         return reportError(ExitCode::kEnvironment, "out of memory: try a smaller --size");
     } catch (const std::exception& error) {

@@ -1,6 +1,7 @@
 #include "cli/options.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -31,7 +32,11 @@ CLI::Validator numberIn(double lower, double upper) {
     return CLI::Validator(
         [lower, upper, range](const std::string& text) -> std::string {
             const std::optional<double> value = parseNumber<double>(text);
-            const bool inside = value && *value >= lower && *value <= upper;
+            // CLI11 reads 010 as octal.
+            const size_t first = text.find_first_not_of('-');
+            const bool octal = first + 1 < text.size() && text[first] == '0' &&
+                               std::isdigit(static_cast<unsigned char>(text[first + 1])) != 0;
+            const bool inside = value && !octal && *value >= lower && *value <= upper;
             return inside ? "" : fmt::format("{} is not a number in {}", text, range);
         },
         range);

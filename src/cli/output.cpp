@@ -9,6 +9,12 @@
 
 namespace sheen::cli {
 
+void flushOutput() {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+        throwEnvironment("standard output: cannot write: {}", std::strerror(errno));
+    }
+}
+
 void checkJsonWritable(const std::string& json_path) {
     if (!json_path.empty() && json_path != "-") {
         checkWritable(json_path);
@@ -22,10 +28,8 @@ void writeJson(const std::string& json_path, const Json& json) {
     // Names come from scene files and need not be valid UTF-8.
     const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     if (json_path == "-") {
-        if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
-            std::fflush(stdout) != 0) {
-            throwEnvironment("standard output: cannot write: {}", std::strerror(errno));
-        }
+        std::fwrite(text.data(), 1, text.size(), stdout);
+        flushOutput();
         return;
     }
     AtomicFile file(json_path);

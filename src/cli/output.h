@@ -14,6 +14,9 @@ using Json = nlohmann::ordered_json;
 /// Whether to print text: not where stdout carries the JSON, which holds the same figures.
 inline bool wantsText(const std::string& json_path) { return json_path != "-"; }
 
+/// Ends printing: environment error where text was lost.
+void flushOutput();
+
 /// Fails early if `json_path` (a file; "-" is stdout; empty: none) cannot be written.
 void checkJsonWritable(const std::string& json_path);
 

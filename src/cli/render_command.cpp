@@ -1,6 +1,8 @@
 // sheen render: one frame of a scene into an EXR or PNG file.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -151,7 +153,8 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
     limited(app.add_option("--spp", p.spp, "reference, denoised: paths a pixel")
                 ->check(numberIn(1, 65536)),
             traced);
-    limited(app.add_option("--seed", p.seed, "reference, denoised: seed of their random numbers"),
+    limited(app.add_option("--seed", p.seed, "reference, denoised: seed of their random numbers")
+                ->check(numberIn(0, std::numeric_limits<uint32_t>::max())),
             traced);
 }
 
@@ -242,6 +245,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"gl_renderer", stats.gl_renderer}};
     if (tracesPaths(o.params.method)) {
         json["mrays_per_second"] = stats.mrays_per_second;
+        json["spp"] = stats.spp;
     }
     return json;
 }
@@ -268,15 +272,19 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
     }
     fmt::print("seconds   {:.3f}: {}\n", stats.seconds.total, stages);
     if (tracesPaths(o.params.method)) {
-        fmt::print("rays      {:.2f} million a second, {} threads\n", stats.mrays_per_second,
-                   threadCount());
+        fmt::print("rays      {:.2f} million a second, {} threads; {} paths a pixel\n",
+                   stats.mrays_per_second, threadCount(), stats.spp);
     } else {
         fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
                    stats.pixels_uncovered, stats.pixels_geometry);
     }
     if (o.params.method == Method::kRadiance || o.params.method == Method::kIrradiance) {
-        fmt::print("estimate  rel_rmse of the indirect light {:.1f}%\n",
-                   100 * stats.estimated_rel_rmse);
+        if (std::isfinite(stats.estimated_rel_rmse)) {
+            fmt::print("estimate  rel_rmse of the indirect light {:.1f}%\n",
+                       100 * stats.estimated_rel_rmse);
+        } else {
+            fmt::print("estimate  none: no record serves where another lies\n");
+        }
         if (o.params.target_error > 0.0) {
             fmt::print("accuracy  {:.3g}, found in {} passes\n", stats.accuracy, stats.passes);
         }
@@ -335,10 +343,11 @@ ExitCode runRender(RenderOptions& o) {
         warn(fmt::format("{}: {} pixels are not finite", o.output, result.stats.nonfinite_pixels));
     }
     if (o.params.target_error > 0.0 && result.stats.estimated_rel_rmse > o.params.target_error) {
-        warn(
-            fmt::format("--target-error {}: the estimate stays at {:.3g} and finer records would "
-                        "not lower it by much",
-                        o.params.target_error, result.stats.estimated_rel_rmse));
+        const bool finest = result.stats.accuracy <= kFinestAccuracy;
+        warn(fmt::format(
+            "--target-error {}: the estimate stays at {:.3g} and {}", o.params.target_error,
+            result.stats.estimated_rel_rmse,
+            finest ? "there are no finer records" : "finer records would not lower it by much"));
     }
     writeJson(o.json, statsJson(o, result.stats));
     if (wantsText(o.json)) {

@@ -37,6 +37,8 @@ void checkFailed(const char* file, int line, const std::string& what) {
     throw std::logic_error(fmt::format("{}:{}: check failed: {}", file, line, what));
 }
 
-void warn(const std::string& message) { fmt::print(stderr, "sheen: warning: {}\n", message); }
+void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
+void warn(const std::string& message) { say(fmt::format("sheen: warning: {}\n", message)); }
 
 }  // namespace sheen

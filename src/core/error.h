@@ -43,6 +43,9 @@ template <class... Args>
 /// Throws std::logic_error; the CHECK macros below call it.
 [[noreturn]] void checkFailed(const char* file, int line, const std::string& what);
 
+/// Prints text on stderr; where that cannot be written there is no one left to tell.
+void say(const std::string& text);
+
 /// Prints "sheen: warning: ..." on stderr.
 void warn(const std::string& message);
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "core/error.h"
+
 namespace sheen {
 namespace {
 
@@ -22,7 +24,7 @@ Progress::Progress(std::string label, int64_t total, bool quiet)
 
 Progress::~Progress() {
     if (terminal_ && printed_percent_ >= 0) {
-        fmt::print(stderr, "\n");
+        say("\n");
     }
 }
 
@@ -45,10 +47,10 @@ void Progress::print() {
     const double left = done_ > 0 ? elapsed * static_cast<double>(total_ - done_) / done_ : 0.0;
     if (terminal_) {
         const int filled = kBarWidth * percent / 100;
-        fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3}% {:.0f} s left ", label_, "", filled, "",
-                   kBarWidth - filled, percent, left);
+        say(fmt::format("\r{} [{:#<{}}{:.<{}}] {:3}% {:.0f} s left ", label_, "", filled, "",
+                        kBarWidth - filled, percent, left));
     } else {
-        fmt::print(stderr, "{} {}% ({:.0f} s left)\n", label_, percent, left);
+        say(fmt::format("{} {}% ({:.0f} s left)\n", label_, percent, left));
     }
     fflush(stderr);
 }

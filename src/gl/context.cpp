@@ -194,6 +194,9 @@ std::string rendererName() { return reinterpret_cast<const char*>(glGetString(GL
 void checkErrors() {
     const std::lock_guard<std::mutex> lock(g_error_mutex);
     if (!g_first_error.empty()) {
+        if (g_first_error.find("OUT_OF_MEMORY") != std::string::npos) {
+            throwEnvironment("OpenGL: {}: render a smaller image", oneLine(g_first_error));
+        }
         throw std::logic_error("OpenGL: " + g_first_error);
     }
 }

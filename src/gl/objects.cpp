@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "gl/context.h"
 
 namespace sheen::gl {
 namespace {
@@ -53,6 +54,7 @@ Framebuffer makeFramebuffer(std::span<const GLuint> colors, GLuint depth) {
     }
     glNamedFramebufferDrawBuffers(name, static_cast<GLsizei>(attachments.size()),
                                   attachments.data());
+    checkErrors();  // a texture that there was no memory for
     SHEEN_CHECK_EQ(glCheckNamedFramebufferStatus(name, GL_FRAMEBUFFER),
                    static_cast<GLenum>(GL_FRAMEBUFFER_COMPLETE));
     return framebuffer;

@@ -39,7 +39,12 @@ WorkerPool::~WorkerPool() {
 }
 
 void WorkerPool::work(int worker) {
-    contexts_[static_cast<size_t>(worker)]->makeCurrent();
+    std::exception_ptr without_context;
+    try {
+        contexts_[static_cast<size_t>(worker)]->makeCurrent();
+    } catch (...) {
+        without_context = std::current_exception();  // told by the first run()
+    }
     int seen = 0;
     std::unique_lock<std::mutex> lock(mutex_);
     while (true) {
@@ -51,6 +56,9 @@ void WorkerPool::work(int worker) {
         const std::function<void(int)>* job = job_;
         lock.unlock();
         try {
+            if (without_context) {
+                std::rethrow_exception(without_context);
+            }
             (*job)(worker);
             glFinish();
             checkErrors();
@@ -88,6 +96,13 @@ void WorkerPool::runOnFirst(const std::function<void()>& job) {
             job();
         }
     });
+}
+
+void WorkerPool::release(const std::function<void(int)>& job) noexcept {
+    try {
+        run(job);
+    } catch (...) {
+    }
 }
 
 void DrawingPhases::Member::draw(const std::function<void()>& draw) {

@@ -35,6 +35,9 @@ class WorkerPool {
     void run(const std::function<void(int worker)>& job);
     /// The same on worker 0 alone.
     void runOnFirst(const std::function<void()>& job);
+    /// run() for destructors: frees what workers hold. Errors are let go: one that matters has been
+    /// thrown before, and nothing is drawn any more.
+    void release(const std::function<void(int worker)>& job) noexcept;
 
   private:
     void work(int worker);

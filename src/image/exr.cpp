@@ -57,8 +57,9 @@ class Channels {
         }
         checkSize(image.width, image.height);
         const float* values = &image.pixels[0].x;
+        const bool half = as_half && !isDim(values, 3 * image.pixels.size());
         for (size_t c = 0; c < 3; ++c) {
-            addFloats(prefix + names[c], values + c, 3, as_half);
+            addFloats(prefix + names[c], values + c, 3, half);
         }
     }
 
@@ -90,6 +91,18 @@ class Channels {
     void checkSize(int width, int height) const {
         SHEEN_CHECK_EQ(width, width_);
         SHEEN_CHECK_EQ(height, height_);
+    }
+
+    // Below 2^-14 halves lose digits. Light that is dim all over, as in scenes whose unit is small,
+    // is kept in floats: what is not black is on average dimmer than 2^-8.
+    static bool isDim(const float* values, size_t count) {
+        double sum = 0.0;
+        size_t lit = 0;
+        for (size_t i = 0; i < count; ++i) {
+            sum += std::abs(values[i]);
+            lit += values[i] != 0.0f ? 1 : 0;
+        }
+        return sum < 0x1p-8 * static_cast<double>(lit);
     }
 
     void addFloats(const std::string& name, const float* values, size_t stride, bool as_half) {

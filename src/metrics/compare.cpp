@@ -29,13 +29,15 @@ PixelUse pixelUse(const CompareInput& input, int x, int y) {
     return a == kNoPrimitive ? PixelUse::kEmpty : PixelUse::kCompared;
 }
 
-void checkFinite(const Image<vec3>& image, const char* what) {
+void checkFinite(const Image<vec3>& image, const std::string& what) {
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const vec3& p = image.at(x, y);
             if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-                throwInput("{}: pixel ({}, {}) is not finite ({}, {}, {})", what, x, y, p.x, p.y,
-                           p.z);
+                throwInput(
+                    "{}: pixel ({}, {}) is not finite ({}, {}, {}), so that there is no error to "
+                    "measure: render it again",
+                    what, x, y, p.x, p.y, p.z);
             }
         }
     }
@@ -43,19 +45,19 @@ void checkFinite(const Image<vec3>& image, const char* what) {
 
 void checkInput(const CompareInput& input) {
     const int width = input.reference.width, height = input.reference.height;
-    const auto check_size = [&](int w, int h, const char* what) {
+    const auto check_size = [&](int w, int h, const std::string& what) {
         if (w != width || h != height) {
-            throwInput("{} has {}x{} pixels, the reference image {}x{}: render both at one size",
-                       what, w, h, width, height);
+            throwInput("{} has {}x{} pixels, {} {}x{}: render both at one size", what, w, h,
+                       input.reference_name, width, height);
         }
     };
-    check_size(input.test.width, input.test.height, "the test image");
-    checkFinite(input.test, "the test image");
-    checkFinite(input.reference, "the reference image");
+    check_size(input.test.width, input.test.height, input.test_name);
+    checkFinite(input.test, input.test_name);
+    checkFinite(input.reference, input.reference_name);
     if (input.reference_variance != nullptr) {
         const Image<vec3>& variance = *input.reference_variance;
-        check_size(variance.width, variance.height, "the reference's variance");
-        checkFinite(variance, "the reference's variance");
+        check_size(variance.width, variance.height, input.reference_name + ", variance");
+        checkFinite(variance, input.reference_name + ", variance");
     }
     for (const Image<uint32_t>* primitive : {input.test_primitive, input.reference_primitive}) {
         if (primitive != nullptr) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "image/image.h"
 
@@ -19,6 +20,8 @@ struct CompareInput {
     /// different triangles are not compared, nor are those that see nothing in both.
     const Image<uint32_t>* test_primitive = nullptr;
     const Image<uint32_t>* reference_primitive = nullptr;
+    std::string test_name = "the test image";  ///< in errors
+    std::string reference_name = "the reference image";
 };
 
 /// With a: test, b: reference, V: the reference's variance, and means over all samples compared.

@@ -15,7 +15,7 @@ struct GBuffer {
     Image<vec4> position;  ///< world space; w: depth along the view axis
     Image<vec4> normal;    ///< shading normal, world space; w: perceptual roughness
     Image<vec4> diffuse;   ///< diffuse reflectance toward the camera; w: F90
-    Image<vec4> f0;        ///< specular F0; w: unused
+    Image<vec4> f0;        ///< specular F0; w: the triangle, as bits
     Image<vec4> direct;    ///< radiance of direct light; w: unused; black for GpuUse::kCamera
     Image<vec4> emission;  ///< radiance; w: unused
     Image<uint32_t> primitive;
@@ -26,8 +26,8 @@ struct GBuffer {
     vec3 geometricNormalAt(const Scene& scene, int i) const;
 };
 
-/// Rasterises the scene and lights it directly, for which it needs the shadow maps; not what was
-/// uploaded for the camera alone.
+/// Rasterises the scene. Lights it directly, by the shadow maps, unless it was uploaded for the
+/// camera alone.
 GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
                       const Camera& camera, int width, int height);
 

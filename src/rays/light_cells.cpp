@@ -218,7 +218,7 @@ LightCells::LitTriangle LightCells::light(const RayCaster& rays, uint32_t index,
                 return;
             }
             const SurfacePoint p = surfacePoint(scene, index, uv.x, uv.y, n_g);
-            const Surface surface = surfaceAt(scene, p);
+            const Scatterer surface = scattererAt(scene, p);
             for (size_t l = 0; l < light_count; ++l) {
                 if ((lit & bit(l)) == 0) {
                     continue;

@@ -226,7 +226,8 @@ void RayCaster::light(const Rays& rays, std::span<const Hit> hits, vec4* seen) c
         const Hit& hit = hits[static_cast<size_t>(k)];
         points[k] = surfacePoint(scene_, hit.triangle, hit.u, hit.v, -rays.directions[hit.ray]);
     }
-    std::optional<Surface> surfaces[kPacket];  // much of what is met lies in the dark: never asked
+    std::optional<Scatterer>
+        surfaces[kPacket];  // much of what is met lies in the dark: never asked
     for (size_t i = 0; i < scene_.lights.size(); ++i) {
         const uint32_t bit = LightCells::bit(i);
         const PunctualLight& light = scene_.lights[i];
@@ -258,10 +259,10 @@ void RayCaster::light(const Rays& rays, std::span<const Hit> hits, vec4* seen) c
                 continue;
             }
             if (!surfaces[k]) {
-                surfaces[k] = surfaceAt(scene_, points[k]);
+                surfaces[k] = scattererAt(scene_, points[k]);
             }
             const size_t ray = hits[static_cast<size_t>(k)].ray;
-            Surface surface = *surfaces[k];
+            Scatterer surface = *surfaces[k];
             surface.brdf.alpha = shared::filteredAlpha(surface.brdf.alpha, rays.solidAngle(ray),
                                                        seen[ray].w, samples[k].distance);
             seen[ray] += vec4(scattered(surface, points[k].wo, samples[k]), 0.0f);

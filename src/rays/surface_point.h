@@ -35,18 +35,17 @@ inline bool isLambertian(const MaterialParams& material) {
 }
 
 /// What scatters light at a point.
-struct Surface {
+struct Scatterer {
     vec3 n;  ///< shading normal, unit, on the side of wo
     Brdf brdf;
 };
 
-inline Surface surfaceAt(const Scene& scene, const SurfacePoint& p) {
+inline Scatterer scattererAt(const Scene& scene, const SurfacePoint& p) {
     const uvec3& t = scene.triangles[p.triangle];
     const vec3& b = p.barycentric;
     const vec3 n = b.x * scene.normals[t.x] + b.y * scene.normals[t.y] + b.z * scene.normals[t.z];
-    const float length = glm::length(n);
-    Surface surface;
-    surface.n = shared::shadingNormal(length > 1e-6f ? n / length : p.n_g, p.n_g, p.wo);
+    Scatterer surface;
+    surface.n = shared::shadingNormal(shared::interpolatedNormal(n, p.n_g), p.n_g, p.wo);
     const vec2 uv = b.x * scene.uvs[t.x] + b.y * scene.uvs[t.y] + b.z * scene.uvs[t.z];
     const MaterialParams material =
         materialAt(scene, scene.materials[scene.materials_of[p.triangle]], uv);
@@ -59,7 +58,7 @@ inline Surface surfaceAt(const Scene& scene, const SurfacePoint& p) {
 }
 
 /// Radiance toward wo of the light that arrives, unshadowed.
-inline vec3 scattered(const Surface& surface, const vec3& wo, const LightSample& light) {
+inline vec3 scattered(const Scatterer& surface, const vec3& wo, const LightSample& light) {
     const float NoL = glm::dot(surface.n, light.wi);
     return NoL > 0.0f
                ? shared::evalBrdf(surface.brdf, surface.n, wo, light.wi) * light.irradiance * NoL

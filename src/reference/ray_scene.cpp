@@ -173,8 +173,7 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
     s.n_g = shared::faceViewer(n_g_[hit.triangle], wo);
     const vec3 n =
         w * scene_.normals[t.x] + hit.u * scene_.normals[t.y] + hit.v * scene_.normals[t.z];
-    const float length = glm::length(n);
-    s.n = shared::shadingNormal(length > 1e-6f ? n / length : s.n_g, s.n_g, wo);
+    s.n = shared::shadingNormal(shared::interpolatedNormal(n, s.n_g), s.n_g, wo);
 
     // Look up the material.
     const vec2 uv = w * scene_.uvs[t.x] + hit.u * scene_.uvs[t.y] + hit.v * scene_.uvs[t.z];

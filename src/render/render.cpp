@@ -49,6 +49,7 @@ RenderResult renderByPaths(const Scene& scene, const RenderParams& params) {
     RenderResult result;
     result.stats.seconds.trace = traced.seconds;
     result.stats.mrays_per_second = traced.mrays_per_second;
+    result.stats.spp = traced.spp;
     if (params.method == Method::kDenoised) {
         const Timer denoise_timer;
         denoise(traced);
@@ -100,7 +101,11 @@ struct Stage {
 
     Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds);
     ~Stage() {
-        pool.runOnFirst([this] { gpu = {}; });
+        pool.release([this](int worker) {
+            if (worker == 0) {
+                gpu = {};
+            }
+        });
     }
 };
 
@@ -212,7 +217,6 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
 void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage,
                     RenderResult& result) {
     constexpr float kFirst = 1.0f;
-    constexpr float kFinest = 0.03f;
     // The error falls like this power of the accuracy, until what records do not cause is left:
     // from the first pass on its power is then small (docs/decisions.md).
     constexpr double kUsualPower = 0.7;
@@ -226,11 +230,12 @@ void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage
         first_estimate = accuracy == kFirst ? estimate : first_estimate;
         const bool falls = accuracy == kFirst ||
                            estimate < first_estimate * std::pow(accuracy / kFirst, kLeastPower);
-        if (estimate <= params.target_error || accuracy <= kFinest || !falls) {
+        if (estimate <= params.target_error || accuracy <= kFinestAccuracy || !falls) {
             return;
         }
         const double factor = std::pow(kMargin * params.target_error / estimate, 1.0 / kUsualPower);
-        accuracy = std::max(accuracy * static_cast<float>(std::max(factor, kStep)), kFinest);
+        accuracy =
+            std::max(accuracy * static_cast<float>(std::max(factor, kStep)), kFinestAccuracy);
     }
 }
 

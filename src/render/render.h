@@ -74,12 +74,16 @@ struct RenderStats {
     std::vector<MaterialOrder> sh_order;
     std::string gl_renderer;      ///< empty where none was used
     double mrays_per_second = 0;  ///< path-traced methods only
+    int spp = 0;                  ///< likewise: paths a pixel, rounded up to fill all replicates
 };
 
 struct RenderResult {
     Frame frame;
     RenderStats stats;
 };
+
+/// No target error makes records finer than this.
+constexpr float kFinestAccuracy = 0.03f;
 
 /// Texels along a hemisphere's side where none are asked for.
 int gatherSize(GatherRoad road, float accuracy);

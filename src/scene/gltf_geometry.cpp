@@ -273,6 +273,9 @@ void appendMesh(File& file, int mesh_index, const glm::dmat4& world_from_mesh, S
         }
         noteUnsupported(file, source, where);
         Primitive primitive = readPrimitive(file, source, where);
+        if (primitive.uvs.empty() && scene.materials[material].base_color_texture >= 0) {
+            file.notes.add("textured mesh without TEXCOORD_0: one colour of the texture all over");
+        }
         transform(primitive, world_from_mesh);
         dropDegenerate(file, primitive);
         mendNormals(file, primitive);

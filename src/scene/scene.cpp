@@ -1,6 +1,7 @@
 #include "scene/scene.h"
 
 #include <charconv>
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -60,8 +61,14 @@ MaterialParams materialAt(const Scene& scene, const Material& material, const ve
 
 float surfaceOffset(const Scene& scene) {
     constexpr float kOffsetOverSize = 5e-6f;
+    constexpr float kOffsetOverCoordinate = 0x1p-19f;  // 16 to 32 steps of a float
     const float size = scene.bounds.size();
-    return kOffsetOverSize * (size > 0.0f ? size : 1.0f);
+    if (!(size > 0.0f)) {
+        return kOffsetOverSize;
+    }
+    const vec3 farthest = glm::max(glm::abs(scene.bounds.lower), glm::abs(scene.bounds.upper));
+    return std::max(kOffsetOverSize * size,
+                    kOffsetOverCoordinate * std::max({farthest.x, farthest.y, farthest.z}));
 }
 
 vec3 geometricNormal(const Scene& scene, int triangle) {

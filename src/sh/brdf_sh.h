@@ -40,7 +40,7 @@ class BrdfRotator {
     std::vector<float> weights_;  // [l][m][direction]
 };
 
-/// Relative error, through a lobe, of light whose band l has amplitude (l + 1)^-1.3 (see
+/// Relative error, through a lobe, of light whose band l has amplitude 1 / (l + 1) (see
 /// lightAmplitude in brdf_sh.cpp): predicted RMS over the lobe's own response to constant light.
 struct LobePrediction {
     float truncated[shared::SH_MAX_ORDER + 1];  ///< [n]: bands n and above left out

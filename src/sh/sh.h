@@ -22,7 +22,7 @@ constexpr int shTriangleIndex(int l, int m) { return l * (l + 1) / 2 + m; }
 
 /// Rotates coefficients: if f has coefficients c, then apply() gives those of f(R^-1 d).
 /// Each band's matrix comes from fixed directions w_i with known basis values: the rotated band
-/// must take the value f(w_i) at R w_i, and 2l+1 well-spread directions decide it.
+/// must take the value f(w_i) at R w_i, of twice as many directions as decide it.
 class ShRotation {
   public:
     ShRotation(const mat3& rotation, int order);

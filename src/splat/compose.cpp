@@ -42,7 +42,9 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
             frame.position.at(x, y) = vec3(position);
             frame.roughness.at(x, y) = normal.w;
             frame.depth.at(x, y) = position.w;
-            frame.direct.at(x, y) = vec3(gbuffer.direct.at(x, y));
+            const vec3 direct(gbuffer.direct.at(x, y));
+            frame.direct.at(x, y) = finite(direct) ? direct : vec3(0.0f);
+            nonfinite += finite(direct) ? 0 : 1;
             frame.emission.at(x, y) = vec3(gbuffer.emission.at(x, y));
             const vec4 sum = splat.irradiance.at(x, y);
             frame.weight.at(x, y) = sum.w;
