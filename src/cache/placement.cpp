@@ -381,7 +381,10 @@ Placement Placer::run(bool quiet) {
     // Clamping a neighbour may uncover pixels behind the scan, so the last grid, all pixels, is
     // scanned until nothing is missed. Every record keeps serving its own pixel, so this ends.
     for (int stride = params_.coarsest_stride; stride >= 1; stride /= 2) {
-        Progress progress(fmt::format("placing records, every {} pixels", stride), count, quiet);
+        Progress progress(stride == 1
+                              ? "placing records, at every pixel"
+                              : fmt::format("placing records, on a grid of {} pixels", stride),
+                          count, quiet);
         bool placed_any = true;
         int passed = 0;
         while (placed_any) {
