@@ -1,7 +1,7 @@
 #include "scene/scene.h"
 
-#include <charconv>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "core/error.h"
