@@ -379,7 +379,8 @@ void Placer::splat(const Record& record, bool add) {
 Placement Placer::run(bool quiet) {
     const int count = gbuffer_.width * gbuffer_.height;
     // Clamping a neighbour may uncover pixels behind the scan, so the last grid, all pixels, is
-    // scanned until nothing is missed. Every record keeps serving its own pixel, so this ends.
+    // scanned until nothing is missed. Every record keeps serving its own pixel, or that counts as
+    // unserved, so this ends.
     for (int stride = params_.coarsest_stride; stride >= 1; stride /= 2) {
         Progress progress(stride == 1
                               ? "placing records, at every pixel"
