@@ -69,9 +69,11 @@ class Placer {
         return gbuffer_.position.pixels[static_cast<size_t>(i)].w * gbuffer_.pixel_angle;
     }
     int order(int i) const { return classes_.orders.pixels[static_cast<size_t>(i)]; }
+    bool uncovered(int i) const {
+        return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered;
+    }
     bool missed(int i) const {
-        return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered &&
-               unserved_.pixels[static_cast<size_t>(i)] == 0;
+        return uncovered(i) && unserved_.pixels[static_cast<size_t>(i)] == 0;
     }
 
     float leastRadius(float pixel_footprint) const {
@@ -400,8 +402,8 @@ Placement Placer::run(bool quiet) {
             }
         }
     }
-    for (uint8_t unserved : unserved_.pixels) {
-        result_.uncovered += unserved;
+    for (int i = 0; i < count; ++i) {
+        result_.uncovered += uncovered(i) ? 1 : 0;
     }
     // Bound the gradients against the final radii: within its reach a record may change its value
     // by no more than a share of it.

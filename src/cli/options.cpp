@@ -25,6 +25,13 @@ std::optional<T> parseNumber(std::string_view text) {
     return error == std::errc() && stop == end ? std::optional<T>(value) : std::nullopt;
 }
 
+// CLI11 reads 010 as eight.
+bool startsAsOctal(const std::string& number) {
+    const size_t first = number.find_first_of("0123456789.");
+    return first != std::string::npos && number[first] == '0' && first + 1 < number.size() &&
+           std::isdigit(static_cast<unsigned char>(number[first + 1])) != 0;
+}
+
 }  // namespace
 
 CLI::Validator numberIn(double lower, double upper) {
@@ -32,11 +39,7 @@ CLI::Validator numberIn(double lower, double upper) {
     return CLI::Validator(
         [lower, upper, range](const std::string& text) -> std::string {
             const std::optional<double> value = parseNumber<double>(text);
-            // CLI11 reads 010 as octal.
-            const size_t first = text.find_first_not_of('-');
-            const bool octal = first + 1 < text.size() && text[first] == '0' &&
-                               std::isdigit(static_cast<unsigned char>(text[first + 1])) != 0;
-            const bool inside = value && !octal && *value >= lower && *value <= upper;
+            const bool inside = value && !startsAsOctal(text) && *value >= lower && *value <= upper;
             return inside ? "" : fmt::format("{} is not a number in {}", text, range);
         },
         range);

@@ -226,8 +226,8 @@ void RayCaster::light(const Rays& rays, std::span<const Hit> hits, vec4* seen) c
         const Hit& hit = hits[static_cast<size_t>(k)];
         points[k] = surfacePoint(scene_, hit.triangle, hit.u, hit.v, -rays.directions[hit.ray]);
     }
-    std::optional<Scatterer>
-        surfaces[kPacket];  // much of what is met lies in the dark: never asked
+    // Much of what is met lies in the dark: never asked.
+    std::optional<Scatterer> surfaces[kPacket];
     for (size_t i = 0; i < scene_.lights.size(); ++i) {
         const uint32_t bit = LightCells::bit(i);
         const PunctualLight& light = scene_.lights[i];
