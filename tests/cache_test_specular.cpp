@@ -149,6 +149,30 @@ TEST(SpecularRays, AnyNumberOfThreadsGivesTheSameBits) {
     EXPECT_EQ(one.pixels, three.pixels);
 }
 
+TEST(MaterialOrder, TexturesCountByTheirDarkTexels) {
+    // A rough dielectric's lobe hardly shows on white, and is most of what black reflects.
+    Scene scene;
+    Material material;
+    material.params = glossyParams(vec3(0.95f), 0.0f, 0.9f);
+    const int white = materialOrder(material.params, 0);
+    const int black = materialOrder(glossyParams(vec3(0.0f), 0.0f, 0.9f), 0);
+    ASSERT_GT(black, white);
+    EXPECT_EQ(materialOrder(scene, material, 0), white);
+    material.base_color_texture = 0;
+    const auto order = [&](int black_texels) {
+        scene.textures.assign(1, {});
+        scene.textures[0].texels.assign(100, vec3(1.0f));
+        std::fill_n(scene.textures[0].texels.end() - black_texels, black_texels, vec3(0.0f));
+        return materialOrder(scene, material, 0);
+    };
+    EXPECT_EQ(order(0), white);
+    EXPECT_EQ(order(5), white);
+    EXPECT_EQ(order(6), black);
+    EXPECT_EQ(order(100), black);
+    scene.textures[0].texels.assign(1, vec3(0.0f));
+    EXPECT_EQ(materialOrder(scene, material, 0), black);
+}
+
 // Pixels that their order misses by 5 to 10% go by rays where they lie together: a strip of three
 // is left to the cache, one of eight is not.
 TEST(TooGlossyClasses, LonePixelsAreLeftToTheCache) {

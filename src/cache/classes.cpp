@@ -116,6 +116,20 @@ int materialOrder(const MaterialParams& material, int sh_order) {
     return order;
 }
 
+int materialOrder(const Scene& scene, const Material& material, int sh_order) {
+    constexpr size_t kDarker = 20;  // one texel in so many
+    MaterialParams params = material.params;
+    if (material.base_color_texture >= 0) {
+        std::vector<vec3> texels =
+            scene.textures[static_cast<size_t>(material.base_color_texture)].texels;
+        const auto dark = texels.begin() + static_cast<std::ptrdiff_t>(texels.size() / kDarker);
+        std::nth_element(texels.begin(), dark, texels.end(),
+                         [](const vec3& a, const vec3& b) { return luminance(a) < luminance(b); });
+        params.base_color *= *dark;
+    }
+    return materialOrder(params, sh_order);
+}
+
 PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_order,
                             bool irradiance_only) {
     PixelClasses classes;
@@ -123,7 +137,7 @@ PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_o
     classes.by_rays = Image<uint8_t>(gbuffer.width, gbuffer.height);
     for (const Material& material : scene.materials) {
         classes.material_orders.push_back(
-            irradiance_only ? shared::DIFFUSE_ORDER : materialOrder(material.params, sh_order));
+            irradiance_only ? shared::DIFFUSE_ORDER : materialOrder(scene, material, sh_order));
     }
     Image<float> missed(gbuffer.width, gbuffer.height);
     parallelFor(gbuffer.height, [&](int y) {

@@ -38,6 +38,9 @@ struct PixelClasses {
 /// The order that `sh_order` (0: by prediction) gives a material; shared::DIFFUSE_ORDER for one
 /// whose specular lobe never matters.
 int materialOrder(const MaterialParams& material, int sh_order);
+/// The same of a material with its texture, by so dark a texel that one in twenty is darker: the
+/// darker the diffuse light, the more the lobe matters. (Pixels that need less are diffuse again.)
+int materialOrder(const Scene& scene, const Material& material, int sh_order);
 
 /// Classifies every pixel; `irradiance_only`: all as diffuse. Pixels that are too glossy are left
 /// to rays, unless a given `sh_order` asks for its truncation.

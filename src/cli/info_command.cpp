@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/output.h"
 #include "scene/scene.h"
+#include "sh/sh.h"
 
 namespace sheen::cli {
 namespace {
@@ -28,7 +29,7 @@ const char* lightKind(int kind) {
     }
 }
 
-Json materialJson(const Material& material) {
+Json materialJson(const Scene& scene, const Material& material) {
     const MaterialParams& params = material.params;
     return {{"name", material.name},
             {"roughness", params.roughness},
@@ -36,7 +37,7 @@ Json materialJson(const Material& material) {
             {"metallic", params.metallic},
             {"base_color", jsonFrom(params.base_color)},
             {"textured", material.base_color_texture >= 0},
-            {"sh_order", materialOrder(params, 0)},
+            {"sh_order", materialOrder(scene, material, 0)},
             {"emission", jsonFrom(params.emission)}};
 }
 
@@ -51,7 +52,7 @@ Json sceneJson(const std::string& path, const Scene& scene) {
                  {"bounds", nullptr},
                  {"warnings", scene.warnings}};
     for (const Material& material : scene.materials) {
-        json["materials"].push_back(materialJson(material));
+        json["materials"].push_back(materialJson(scene, material));
     }
     for (const Texture& texture : scene.textures) {
         json["textures"].push_back({{"size", {texture.width, texture.height}}});
@@ -88,13 +89,17 @@ void printScene(const std::string& path, const Scene& scene) {
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& material = scene.materials[i];
         const MaterialParams& params = material.params;
-        const int order = materialOrder(params, 0);
-        fmt::print("material {} {}: roughness {:.3g} (alpha {:.3g}), metallic {:.3g}{}{}; {}\n", i,
-                   material.name, params.roughness, shared::alphaFromRoughness(params.roughness),
-                   params.metallic, material.base_color_texture >= 0 ? ", textured" : "",
-                   params.emission == vec3(0.0f) ? "" : ", emits " + textFrom(params.emission),
-                   order == shared::DIFFUSE_ORDER ? "cached as irradiance"
-                                                  : fmt::format("cached at SH order {}", order));
+        const int order = materialOrder(scene, material, 0);
+        fmt::print(
+            "material {} {}: roughness {:.3g} (alpha {:.3g}), metallic {:.3g}{}{}; {}\n", i,
+            material.name, params.roughness, shared::alphaFromRoughness(params.roughness),
+            params.metallic, material.base_color_texture >= 0 ? ", textured" : "",
+            params.emission == vec3(0.0f) ? "" : ", emits " + textFrom(params.emission),
+            order == shared::DIFFUSE_ORDER
+                ? "cached as irradiance"
+                : fmt::format(
+                      "cached at SH order {}{}", order,
+                      order == shared::SH_MAX_ORDER ? ", by rays where that is too few" : ""));
     }
     for (size_t i = 0; i < scene.lights.size(); ++i) {
         const PunctualLight& light = scene.lights[i];

@@ -70,6 +70,23 @@ using Corners = std::array<uint32_t, 3>;
 std::vector<std::vector<uint32_t>> splitIntoPatches(const Scene& scene,
                                                     const std::vector<uint32_t>& welded,
                                                     const std::vector<uint32_t>& triangles) {
+    // The piece's own vertices, numbered anew: meshoptimizer's work grows with all that it is
+    // given.
+    std::vector<uint32_t> own;
+    for (uint32_t t : triangles) {
+        const uint32_t* v = &welded[3 * static_cast<size_t>(t)];
+        own.insert(own.end(), v, v + 3);
+    }
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end()), own.end());
+    std::vector<vec3> positions;
+    for (uint32_t vertex : own) {
+        positions.push_back(scene.positions[vertex]);
+    }
+    const auto number = [&own](uint32_t vertex) {
+        return static_cast<uint32_t>(std::lower_bound(own.begin(), own.end(), vertex) -
+                                     own.begin());
+    };
     std::vector<uint32_t> indices;
     // meshoptimizer returns triangles by their vertices; these lead back. Twins are taken in turn,
     // but the two sides of a sheet, which are wound differently, are not mixed up.
@@ -79,17 +96,17 @@ std::vector<std::vector<uint32_t>> splitIntoPatches(const Scene& scene,
     };
     for (uint32_t t : triangles) {
         const uint32_t* v = &welded[3 * static_cast<size_t>(t)];
-        indices.insert(indices.end(), v, v + 3);
-        by_vertices[key(v[0], v[1], v[2])].push_back(t);
+        const Corners c{number(v[0]), number(v[1]), number(v[2])};
+        indices.insert(indices.end(), c.begin(), c.end());
+        by_vertices[key(c[0], c[1], c[2])].push_back(t);
     }
     const size_t bound = meshopt_buildMeshletsBound(indices.size(), kMaxVertices, kMaxTriangles);
     std::vector<meshopt_Meshlet> meshlets(bound);
     std::vector<unsigned int> vertices(bound * kMaxVertices);
     std::vector<unsigned char> corners(bound * kMaxTriangles * 3);
-    meshlets.resize(meshopt_buildMeshlets(meshlets.data(), vertices.data(), corners.data(),
-                                          indices.data(), indices.size(), &scene.positions[0].x,
-                                          scene.positions.size(), sizeof(vec3), kMaxVertices,
-                                          kMaxTriangles, 0.0f));
+    meshlets.resize(meshopt_buildMeshlets(
+        meshlets.data(), vertices.data(), corners.data(), indices.data(), indices.size(),
+        &positions[0].x, positions.size(), sizeof(vec3), kMaxVertices, kMaxTriangles, 0.0f));
     std::vector<std::vector<uint32_t>> patches;
     for (const meshopt_Meshlet& m : meshlets) {
         std::vector<uint32_t> patch;
