@@ -45,7 +45,7 @@ Scene cutRoom(float thickness) {
     return scene;
 }
 
-// Walls with a spot's light on one of them, 2 units wide, about a point.
+// A closed room, 2 units wide, about a point.
 Scene roomAbout(const vec3& middle) {
     Scene scene;
     addBox(scene, middle - 1.0f, middle + 1.0f, addMaterial(scene, diffuseParams(vec3(0.8f))),
