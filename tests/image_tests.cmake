@@ -1,1 +1,2 @@
-sheen_test(image SOURCES image_test.cpp USES sheen_image OpenEXR::OpenEXR PNG::PNG)
+sheen_test(
+    image SOURCES image_test.cpp image_test_tonemap.cpp USES sheen_image OpenEXR::OpenEXR PNG::PNG)
