@@ -1,0 +1,184 @@
+// The program from outside: render and info, their files and figures.
+#include "cli_test.h"
+#include "image/exr.h"
+
+namespace sheen {
+namespace {
+
+TEST_F(CliTest, renderNamesItsOutput) {
+    const Outcome run = call(kReference);
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("wrote     scene.exr (16x12, reference)"), std::string::npos) << run.out;
+    const LoadedExr exr = readExr(file("scene.exr"));
+    EXPECT_EQ(exr.width, 16);
+    EXPECT_EQ(exr.height, 12);
+    EXPECT_EQ(exr.colors.count("variance"), 1u);
+    EXPECT_EQ(exr.colors.count("normal"), 0u);
+    EXPECT_EQ(files(), (std::vector<std::string>{"scene.bin", "scene.exr", "scene.gltf"}));
+}
+
+TEST_F(CliTest, renderAllLayers) {
+    EXPECT_EQ(call(std::string(kReference) + " --layers all --camera front -o a.exr").code, 0);
+    EXPECT_EQ(readExr(file("a.exr")).colors.count("normal"), 1u);
+}
+
+TEST_F(CliTest, renderPng) {
+    for (const char* exposure : {"", " --exposure auto", " --exposure -2", " --exposure=1.5"}) {
+        const Outcome run = call(std::string(kReference) + " -o a.PNG" + exposure);
+        EXPECT_EQ(run.code, 0) << run.err;
+        EXPECT_EQ(textOf(file("a.PNG")).substr(1, 3), "PNG");
+    }
+}
+
+TEST_F(CliTest, renderJsonHoldsEveryFigure) {
+    const Outcome run = call(std::string(kReference) + " --json - -o a.exr --threads 1");
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Json json = Json::parse(run.out);
+    for (const char* key :
+         {"method", "size", "threads", "records", "seconds", "pixels_uncovered", "nonfinite_pixels",
+          "negative_pixels", "estimated_rel_rmse", "accuracy", "gather_size", "passes",
+          "diffuse_share", "too_glossy_share", "sh_order", "gl_renderer", "mrays_per_second"}) {
+        EXPECT_TRUE(json.contains(key)) << key;
+    }
+    for (const char* key : {"total", "load", "gbuffer", "shadow", "placement", "gather", "project",
+                            "splat", "compose", "trace", "denoise", "write"}) {
+        EXPECT_TRUE(json["seconds"].contains(key)) << key;
+    }
+    EXPECT_EQ(json["size"], Json::array({16, 12}));
+    EXPECT_EQ(json["threads"], 1);
+    EXPECT_GT(json["seconds"]["total"].get<double>(), 0.0);
+}
+
+TEST_F(CliTest, aTargetErrorIsReachedOrMissedAloud) {
+    const char* const render = "render scene.gltf --size 24x16 -o a.exr --json a.json";
+    const Outcome reached = call(fmt::format("{} --target-error 0.5", render));
+    ASSERT_EQ(reached.code, 0) << reached.err;
+    EXPECT_EQ(reached.err, "");
+    Json json = Json::parse(textOf(file("a.json")));
+    EXPECT_LE(json["estimated_rel_rmse"].get<double>(), 0.5);
+    EXPECT_EQ(json["passes"], 1);
+
+    const Outcome missed = call(fmt::format("{} --gather-size 8 --target-error 0.002", render));
+    ASSERT_EQ(missed.code, 0) << missed.err;
+    json = Json::parse(textOf(file("a.json")));
+    const bool reported = missed.err.find("--target-error 0.002") != std::string::npos;
+    EXPECT_EQ(reported, json["estimated_rel_rmse"].get<double>() > 0.002);
+    EXPECT_GT(json["passes"].get<int>(), 1);
+}
+
+TEST_F(CliTest, everyWayToGatherRenders) {
+    const char* const cached = "render scene.gltf --size 24x16 --gather-size 16";
+    for (const char* gather : {"ray", "hemicube", "border", "plane", "larsen"}) {
+        SCOPED_TRACE(gather);
+        const Outcome run = call(
+            fmt::format("{} --gather {} -o {}.exr --json {}.json", cached, gather, gather, gather));
+        ASSERT_EQ(run.code, 0) << run.err;
+        const Json json = Json::parse(textOf(file(std::string(gather) + ".json")));
+        EXPECT_EQ(json["method"], "radiance");
+        EXPECT_EQ(json["size"], Json::array({24, 16}));
+        EXPECT_GT(json["records"].get<int>(), 0);
+        EXPECT_GT(json["pixels_geometry"].get<int>(), 0);
+        EXPECT_LT(json["pixels_geometry"].get<int>(), 24 * 16);
+        for (const char* key : {"pixels_uncovered", "nonfinite_pixels"}) {
+            EXPECT_EQ(json[key], 0) << key;
+        }
+        EXPECT_NE(json["gl_renderer"], "");
+        EXPECT_FALSE(json.contains("mrays_per_second"));
+        for (const char* key : {"gather", "project", "placement"}) {
+            EXPECT_GE(json["seconds"][key].get<double>(), 0.0) << key;
+        }
+        EXPECT_EQ(json["seconds"]["trace"], 0.0);
+    }
+    // Left to itself the program gathers by rays, and the name decides which way it is.
+    ASSERT_EQ(call(fmt::format("{} -o default.exr", cached)).code, 0);
+    EXPECT_EQ(textOf(file("default.exr")), textOf(file("ray.exr")));
+    EXPECT_NE(textOf(file("hemicube.exr")), textOf(file("ray.exr")));
+    EXPECT_NE(textOf(file("hemicube.exr")), textOf(file("border.exr")));
+}
+
+TEST_F(CliTest, baselinesRender) {
+    const char* const small = "render scene.gltf --size 24x16 --json - --layers all";
+    const Outcome octree =
+        call(fmt::format("{} --method octree --accuracy 0.5 --gather-size 8 -o octree.exr", small));
+    ASSERT_EQ(octree.code, 0) << octree.err;
+    const Json cached = Json::parse(octree.out);
+    EXPECT_EQ(cached["method"], "octree");
+    EXPECT_GT(cached["records"].get<int>(), 0);
+    EXPECT_EQ(cached["pixels_uncovered"], 0);
+    EXPECT_GT(cached["seconds"]["gather"].get<double>(), 0.0);
+    EXPECT_EQ(cached["gl_renderer"], "");
+    EXPECT_EQ(readExr(file("octree.exr")).colors.count("indirect_diffuse"), 1u);
+
+    const Outcome denoised =
+        call(fmt::format("{} --method denoised --spp 16 --bounces 2 -o denoised.exr", small));
+    ASSERT_EQ(denoised.code, 0) << denoised.err;
+    const Json traced = Json::parse(denoised.out);
+    EXPECT_EQ(traced["records"], 0);
+    EXPECT_GT(traced["seconds"]["denoise"].get<double>(), 0.0);
+    EXPECT_GT(traced["mrays_per_second"].get<double>(), 0.0);
+    // What a filter blurred no variance knows: such an image is no reference.
+    EXPECT_EQ(readExr(file("denoised.exr")).colors.count("variance"), 0u);
+
+    for (const char* other : {"octree.exr", "denoised.exr"}) {
+        EXPECT_EQ(call(fmt::format("compare {} octree.exr --layer direct", other)).code, 0);
+    }
+    // Options given to both caches under one name reach the one that was asked for.
+    ASSERT_EQ(call("render scene.gltf --size 24x16 --method octree --accuracy 1.5 -o b.exr").code,
+              0);
+    EXPECT_NE(textOf(file("octree.exr")), textOf(file("b.exr")));
+}
+
+TEST_F(CliTest, threadsAndRepetitionChangeNothing) {
+    ASSERT_EQ(call(std::string(kReference) + " -o a.exr --threads 1").code, 0);
+    ASSERT_EQ(call(std::string(kReference) + " -o b.exr --threads 2").code, 0);
+    ASSERT_EQ(call(std::string(kReference) + " -o c.exr --seed 1").code, 0);
+    EXPECT_EQ(textOf(file("a.exr")), textOf(file("b.exr")));
+    EXPECT_NE(textOf(file("a.exr")), textOf(file("c.exr")));
+}
+
+TEST_F(CliTest, interruptedRenderLeavesNothing) {
+    const std::vector<std::string> before = files();
+    // `timeout` sends the signal to the render once it is under way.
+    const std::string command = fmt::format(
+        "cd '{}' && timeout --signal=INT 1 '{}' render scene.gltf --method reference "
+        "--size 4096x4096 --spp 65536 >/dev/null 2>&1 </dev/null",
+        folder_.string(), SHEEN_PROGRAM);
+    EXPECT_NE(std::system(command.c_str()), 0);
+    EXPECT_EQ(files(), before);
+}
+
+TEST_F(CliTest, infoText) {
+    const Outcome run = call("info scene.gltf");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("2 triangles"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("plaster: roughness 0.6 (alpha 0.36)"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("light 0 lamp: point"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("camera 0 front"), std::string::npos) << run.out;
+}
+
+TEST_F(CliTest, infoJson) {
+    ASSERT_EQ(call("info scene.gltf --json a.json").code, 0);
+    const Json json = Json::parse(textOf(file("a.json")));
+    EXPECT_EQ(json["triangles"], 2);
+    EXPECT_EQ(json["vertices"], 6);
+    EXPECT_EQ(json["materials"][0]["name"], "plaster");
+    EXPECT_EQ(json["lights"][0]["kind"], "point");
+    EXPECT_EQ(json["cameras"][0]["name"], "front");
+    EXPECT_EQ(json["bounds"]["upper"], Json::array({4.0, 8.0, 4.0}));
+}
+
+TEST_F(CliTest, pathsArePrintedAsTraced) {
+    const Outcome run = call("render scene.gltf --method reference --size 8x8 --spp 5 --json -");
+    EXPECT_EQ(Json::parse(run.out)["spp"], 8);  // four replicates of two
+}
+
+TEST_F(CliTest, anEstimateOfNothingIsNone) {
+    const Outcome run = call("render scene.gltf --size 1x1");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("estimate  none"), std::string::npos) << run.out;
+    EXPECT_TRUE(Json::parse(call("render scene.gltf --size 1x1 --json -").out)["estimated_rel_rmse"]
+                    .is_null());
+}
+
+}  // namespace
+}  // namespace sheen
