@@ -9,6 +9,7 @@
 #include "accuracy_gradients.h"
 #include "accuracy_hemisphere.h"
 #include "accuracy_sh.h"
+#include "accuracy_yardstick.h"
 #include "core/error.h"
 #include "core/timer.h"
 
@@ -17,16 +18,17 @@ namespace {
 using namespace sheen;
 
 const std::vector<std::string> kScenes = {"cornell_glossy", "venus_glossy", "atrium"};
-// Where nothing is glossy, light on surfaces does not change with the eye.
-const std::vector<std::string> kGradientScenes = {"cornell_diffuse", "cornell_glossy",
-                                                  "venus_glossy", "atrium"};
+// With the box where nothing is glossy, so that light on surfaces does not change with the eye.
+const std::vector<std::string> kAllScenes = {"cornell_diffuse", "cornell_glossy", "venus_glossy",
+                                             "atrium"};
 // Sites a scene of the committed tables.
 constexpr int kProjectionSites = 1000;
 constexpr int kHemisphereSites = 3334;  // 10,000 in all, as Table 8.1 of [GKB09]
 constexpr int kSizeSites = 400;
+constexpr int kYardstickSites = 2000;
 constexpr int kGradientSites = 150;
 
-const std::set<std::string> kStudies = {"sh", "hemispheres", "sizes", "gradients"};
+const std::set<std::string> kStudies = {"sh", "hemispheres", "sizes", "yardstick", "gradients"};
 
 int parseCount(const std::string& text) {
     int count = 0;
@@ -66,7 +68,8 @@ void measure(const std::vector<std::string>& arguments) {
     run("sh", kScenes, kProjectionSites, bench::studyProjection);
     run("hemispheres", kScenes, kHemisphereSites, bench::studyHemispheres);
     run("sizes", kScenes, kSizeSites, bench::studyHemisphereSizes);
-    run("gradients", kGradientScenes, kGradientSites, bench::studyGradients);
+    run("yardstick", kAllScenes, kYardstickSites, bench::studyYardstick);
+    run("gradients", kAllScenes, kGradientSites, bench::studyGradients);
 }
 
 }  // namespace
@@ -75,7 +78,8 @@ int main(int argc, char** argv) {
     try {
         if (argc < 3) {
             throwUsage(
-                "usage: accuracy SCENES OUTPUT [--records N] [sh|hemispheres|sizes|gradients]...");
+                "usage: accuracy SCENES OUTPUT [--records N] "
+                "[sh|hemispheres|sizes|yardstick|gradients]...");
         }
         measure({argv + 1, argv + argc});
         return 0;

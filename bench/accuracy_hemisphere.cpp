@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "accuracy_gather.h"
 #include "accuracy_truth.h"
-#include "cache/ray_gather.h"
 #include "core/parallel.h"
 #include "sh/brdf_sh.h"
 
@@ -16,7 +16,6 @@ using namespace hemispheres;
 namespace {
 
 constexpr char kProductWay[] = "gather";
-constexpr size_t kNearest = 3;  // records that tell a new one where to look closer, as in a render
 
 // Weights of a layout's texels: cosine, and the lobe at each view and azimuth.
 struct Kernels {
@@ -167,38 +166,6 @@ void traceLayout(const BenchScenes& scenes, int sites, const Layout& layout,
     });
 }
 
-std::vector<GatheredRecord> gatherAll(RayGatherer& gatherer, const std::vector<RecordSite>& sites) {
-    constexpr size_t kBatch = 64;
-    std::vector<GatheredRecord> records;
-    for (size_t first = 0; first < sites.size(); first += kBatch) {
-        const size_t count = std::min(kBatch, sites.size() - first);
-        for (GatheredRecord& g : gatherer.gather(std::span(sites).subspan(first, count))) {
-            records.push_back(std::move(g));
-        }
-    }
-    return records;
-}
-
-// What the nearest of the other records found.
-std::vector<Contrast> contrastsNear(const std::vector<GatheredRecord>& records, size_t index) {
-    std::vector<std::pair<float, size_t>> others;
-    for (size_t j = 0; j < records.size(); ++j) {
-        const vec3 d = records[j].record.position - records[index].record.position;
-        if (j != index) {
-            others.emplace_back(glm::dot(d, d), j);
-        }
-    }
-    const size_t count = std::min(kNearest, others.size());
-    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count),
-                      others.end());
-    std::vector<Contrast> contrasts;
-    for (size_t k = 0; k < count; ++k) {
-        const std::vector<Contrast>& found = records[others[k].second].contrasts;
-        contrasts.insert(contrasts.end(), found.begin(), found.end());
-    }
-    return contrasts;
-}
-
 // The product's gather, its extra rays included: of records that come after others, since all
 // points are gathered twice, and the second time know what their neighbours found the first time.
 // It hands out no texels: its lobes go through spherical harmonics of order 10.
@@ -223,12 +190,9 @@ void traceProduct(const BenchScenes& scenes, int sites, int size, std::vector<Ro
         for (RecordSite& site : of_scene) {
             site.order = kOrder;
         }
-        const std::vector<GatheredRecord> before = gatherAll(gatherer, of_scene);
+        tellContrasts(gatherer, of_scene);
         const int64_t rays_before = gatherer.rays();
-        for (size_t r = 0; r < of_scene.size(); ++r) {
-            of_scene[r].contrasts = contrastsNear(before, r);
-        }
-        const std::vector<GatheredRecord> records = gatherAll(gatherer, of_scene);
+        const std::vector<GatheredRecord> records = gatherInBatches(gatherer, of_scene);
         rays += gatherer.rays() - rays_before;
         for (size_t r = 0; r < records.size(); ++r) {
             const size_t i = s * static_cast<size_t>(sites) + r;

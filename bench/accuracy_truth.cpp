@@ -89,13 +89,13 @@ float lobeAlbedo(const vec3& wo) {
     return static_cast<float>(sum / kPoints);
 }
 
-Truth traceTruth(const BenchScenes& scenes, int sites) {
+Truth traceTruth(const BenchScenes& scenes, int sites, int quantities) {
     const auto all = scenes.size() * static_cast<size_t>(sites);
     Truth truth{Values(all), Values(all)};
     parallelFor(static_cast<int>(all), [&](int index) {
         const BenchScene& scene = *scenes[static_cast<size_t>(index / sites)];
         const RecordSite& site = scene.sites[static_cast<size_t>(index % sites)];
-        for (int q = 0; q < kQuantities; ++q) {
+        for (int q = 0; q < quantities; ++q) {
             double sum = 0.0;
             double squares = 0.0;
             for (int r = 0; r < kReplicates; ++r) {

@@ -35,8 +35,9 @@ struct Truth {
     Values variance;  ///< of the values
 };
 
-/// By rays of a sampler of its own: the cosine for irradiance, visible normals for the lobe.
-Truth traceTruth(const BenchScenes& scenes, int sites);
+/// By rays of a sampler of its own: the cosine for irradiance, visible normals for the lobe. Only
+/// the first so many `quantities`; the others stay 0.
+Truth traceTruth(const BenchScenes& scenes, int sites, int quantities = kQuantities);
 
 }  // namespace hemispheres
 }  // namespace sheen::bench

@@ -5,9 +5,8 @@
 
 #include <string_view>
 
-#include "baselines/ward_record.h"
+#include "accuracy_gather.h"
 #include "cache/raster_gather.h"
-#include "cache/ray_gather.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "render/render.h"
@@ -17,31 +16,9 @@
 namespace sheen::bench {
 namespace {
 
-constexpr size_t kBatch = 64;  // records gathered at once, as PlacementParams::batch
 const int kRaySize = gatherSize(GatherRoad::kRays, PlacementParams{}.accuracy);
 const int kRasterSize = gatherSize(GatherRoad::kRaster, PlacementParams{}.accuracy);
 constexpr int kYardstickRings = 18;  // 1,026 rays
-
-// One record a site by the baseline's gather; returns how many rays it cast, shadow rays included.
-int64_t gatherByYardstick(const GatherScene& s, std::span<const RecordSite> sites) {
-    static const WardStrata strata(kYardstickRings);
-    std::vector<Counters> counters(sites.size());
-    parallelFor(static_cast<int>(sites.size()), [&](int index) {
-        const auto i = static_cast<size_t>(index);
-        Surface p;
-        p.position = sites[i].position;
-        p.n_g = sites[i].geometric_normal;
-        p.n = sites[i].normal;
-        p.offset = surfaceOffset(s.scene.scene);
-        benchmark::DoNotOptimize(
-            gatherRecord(s.yardstick, p, strata, static_cast<uint32_t>(index), counters[i]));
-    });
-    int64_t rays = 0;
-    for (const Counters& c : counters) {
-        rays += c.rays;
-    }
-    return rays;
-}
 
 // Gathers batch after batch, and each batch by the yardstick too, so that both meet the same
 // conditions.
@@ -51,6 +28,7 @@ void measureGather(benchmark::State& state, const GatherScene& s, G& gatherer, i
     gatherer.gather(sites.first(kBatch));  // shaders are compiled by their first draw
     const GatherSeconds before = gatherer.seconds();
     double own = 0.0, yardstick = 0.0;
+    const WardStrata strata(kYardstickRings);
     int64_t yardstick_rays = 0;
     size_t first = 0;
     for (auto _ : state) {
@@ -62,8 +40,10 @@ void measureGather(benchmark::State& state, const GatherScene& s, G& gatherer, i
         state.SetIterationTime(seconds);
         own += seconds;
         const Timer yardstick_timer;
-        yardstick_rays += gatherByYardstick(s, batch);
+        const YardstickRecords found = gatherByYardstick(s.yardstick, batch, strata);
         yardstick += yardstick_timer.seconds();
+        benchmark::DoNotOptimize(found.irradiance.data());
+        yardstick_rays += found.rays;
     }
     const auto records = static_cast<double>(state.iterations()) * kBatch;
     state.counters["triangles"] = s.scene.scene.triangleCount();
