@@ -34,10 +34,10 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
     const Outcome run = call(std::string(kReference) + " --json - -o a.exr --threads 1");
     ASSERT_EQ(run.code, 0) << run.err;
     const Json json = Json::parse(run.out);
-    for (const char* key :
-         {"method", "size", "threads", "records", "seconds", "pixels_uncovered", "nonfinite_pixels",
-          "negative_pixels", "estimated_rel_rmse", "accuracy", "gather_size", "passes",
-          "diffuse_share", "too_glossy_share", "sh_order", "gl_renderer", "mrays_per_second"}) {
+    for (const char* key : {"method", "size", "threads", "records", "seconds", "pixels_uncovered",
+                            "nonfinite_pixels", "negative_pixels", "estimated_rel_rmse", "accuracy",
+                            "gather_size", "passes", "diffuse_share", "corrected_share",
+                            "too_glossy_share", "sh_order", "gl_renderer", "mrays_per_second"}) {
         EXPECT_TRUE(json.contains(key)) << key;
     }
     for (const char* key : {"total", "load", "gbuffer", "shadow", "placement", "gather", "project",

@@ -1,6 +1,7 @@
 #include "cache/classes.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "cache/record.h"
@@ -46,44 +47,6 @@ float mean(const vec3& v) { return (v.x + v.y + v.z) / 3.0f; }
 float specularShare(const vec3& diffuse, const vec3& f0, float f90, const vec2& albedo_ab) {
     const float specular = mean(f0) * albedo_ab.x + f90 * albedo_ab.y;
     return specular / std::max(specular + mean(diffuse), 1e-12f);
-}
-
-// Whether test(x, y) holds for all of the pixels at most kTogether from (x, y) in x and in y.
-template <class Test>
-bool holdsAround(int x, int y, int width, int height, const Test& test) {
-    for (int v = std::max(y - kTogether, 0); v <= std::min(y + kTogether, height - 1); ++v) {
-        for (int u = std::max(x - kTogether, 0); u <= std::min(x + kTogether, width - 1); ++u) {
-            if (!test(u, v)) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-// 1 where pixels that their orders miss by `missed` are too glossy. Squares of such pixels are
-// found by their centres: morphological opening.
-Image<uint8_t> tooGlossy(const Image<float>& missed) {
-    const int width = missed.width;
-    const int height = missed.height;
-    Image<uint8_t> centre(width, height);
-    Image<uint8_t> too_glossy(width, height);
-    parallelFor(height, [&](int y) {
-        for (int x = 0; x < width; ++x) {
-            centre.at(x, y) = holdsAround(x, y, width, height, [&](int u, int v) {
-                return missed.at(u, v) > kTooGlossyTogether;
-            });
-        }
-    });
-    parallelFor(height, [&](int y) {
-        for (int x = 0; x < width; ++x) {
-            const bool together = missed.at(x, y) > kTooGlossyTogether &&
-                                  !holdsAround(x, y, width, height,
-                                               [&](int u, int v) { return centre.at(u, v) == 0; });
-            too_glossy.at(x, y) = together || missed.at(x, y) > kTooGlossy ? 1 : 0;
-        }
-    });
-    return too_glossy;
 }
 
 }  // namespace
@@ -139,7 +102,8 @@ PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_o
         classes.material_orders.push_back(
             irradiance_only ? shared::DIFFUSE_ORDER : materialOrder(scene, material, sh_order));
     }
-    Image<float> missed(gbuffer.width, gbuffer.height);
+    std::atomic<int> corrected_count = 0;
+    std::atomic<int> too_glossy_count = 0;
     parallelFor(gbuffer.height, [&](int y) {
         for (int x = 0; x < gbuffer.width; ++x) {
             const int i = y * gbuffer.width + x;
@@ -161,19 +125,18 @@ PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_o
             const LobePrediction& p = predictions().at(NoV, normal.w);
             if (share * p.as_diffuse < kDiffuseBudget) {
                 order = shared::DIFFUSE_ORDER;
-            } else {
-                missed.at(x, y) = share * p.truncated[order];
+            } else if (share * p.truncated[order] > kTruncationBudget) {
+                const bool too_glossy = shared::alphaFromRoughness(normal.w) < kTooGlossy;
+                ++(too_glossy ? too_glossy_count : corrected_count);
+                if (sh_order == 0) {
+                    classes.by_rays.at(x, y) = 1;
+                    order = too_glossy ? shared::DIFFUSE_ORDER : order;
+                }
             }
         }
     });
-    const Image<uint8_t> too_glossy = tooGlossy(missed);
-    for (size_t i = 0; i < too_glossy.pixels.size(); ++i) {
-        classes.too_glossy += too_glossy.pixels[i];
-        if (too_glossy.pixels[i] != 0 && sh_order == 0) {
-            classes.by_rays.pixels[i] = 1;
-            classes.orders.pixels[i] = shared::DIFFUSE_ORDER;
-        }
-    }
+    classes.corrected = corrected_count;
+    classes.too_glossy = too_glossy_count;
     for (size_t i = 0; i < classes.orders.pixels.size(); ++i) {
         const int order = classes.orders.pixels[i];
         classes.geometry += order != kNoOrder ? 1 : 0;

@@ -1,9 +1,11 @@
 // Which pixels pay for what: irradiance only, or spherical harmonics of how many bands.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
+#include "cache/record.h"
 #include "image/image.h"
 #include "raster/gbuffer.h"
 
@@ -15,24 +17,32 @@ constexpr int kNoOrder = -1;
 /// to change it by less than this share.
 constexpr float kDiffuseBudget = 0.005f;
 /// A material gets the smallest order whose truncated bands are predicted to change its pixels by
-/// less than this share.
+/// less than this share. Where they change a pixel by more, seen from where it is, rays correct
+/// what its records say (reflectSpecular()).
 constexpr float kTruncationBudget = 0.025f;
-/// A pixel is too glossy for the cache where its material's order misses that by this much.
-constexpr float kTooGlossy = 0.1f;
-/// By this much where it lies in a square of such pixels, of 2 kTogether + 1 a side or what the
-/// image's border leaves of one: these share their rays (gatherSpecular()). On a silhouette few do,
-/// and noise would be worse than truncation.
-constexpr float kTooGlossyTogether = 0.05f;
-constexpr int kTogether = 2;
+/// Of these pixels, those with a lobe of a smaller alpha are too glossy for the cache: their rays
+/// say all, since what records miss would change from pixel to pixel as much as the light.
+constexpr float kTooGlossy = 0.15f;
 
 struct PixelClasses {
     Image<int> orders;       ///< per pixel: kNoOrder, shared::DIFFUSE_ORDER or bands
-    Image<uint8_t> by_rays;  ///< 1: the specular light comes from rays, see gatherSpecular();
-                             ///< the order is that of a diffuse pixel then
+    Image<uint8_t> by_rays;  ///< 1: rays correct the specular light, or, where the order is that of
+                             ///< a diffuse pixel, say all of it
     std::vector<int> material_orders;  ///< per material of the scene
     int geometry = 0;                  ///< pixels that see geometry
     int diffuse = 0;                   ///< of these, diffuse
-    int too_glossy = 0;                ///< of geometry, smoother than the order resolves
+    // Of geometry; a given order leaves both to the records.
+    int corrected = 0;   ///< missed by the order, so that rays correct the records
+    int too_glossy = 0;  ///< likewise, but too glossy for the cache
+
+    /// Whether rays correct what a pixel's records say.
+    bool isCorrected(int x, int y) const {
+        return by_rays.at(x, y) != 0 && orders.at(x, y) > shared::DIFFUSE_ORDER;
+    }
+    bool anyByRays() const {
+        return std::any_of(by_rays.pixels.begin(), by_rays.pixels.end(),
+                           [](uint8_t by_ray) { return by_ray != 0; });
+    }
 };
 
 /// The order that `sh_order` (0: by prediction) gives a material; shared::DIFFUSE_ORDER for one
@@ -42,8 +52,8 @@ int materialOrder(const MaterialParams& material, int sh_order);
 /// darker the diffuse light, the more the lobe matters. (Pixels that need less are diffuse again.)
 int materialOrder(const Scene& scene, const Material& material, int sh_order);
 
-/// Classifies every pixel; `irradiance_only`: all as diffuse. Pixels that are too glossy are left
-/// to rays, unless a given `sh_order` asks for its truncation.
+/// Classifies every pixel; `irradiance_only`: all as diffuse. None goes by rays where a given
+/// `sh_order` asks for its truncation.
 PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_order,
                             bool irradiance_only);
 

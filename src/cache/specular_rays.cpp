@@ -1,6 +1,6 @@
 // Two passes over the pixels: each sees its lobe by rays of its own, then averages what its
-// neighbours saw, as far as their lobes overlap with its own. Based on: [KDB16], with the distance
-// of what is reflected as in [Zhd21].
+// neighbours saw. Based on: [KDB16], with the distance of what is reflected as in [Zhd21]. Where
+// there are records, they are a control variate: what is averaged is the remainder.
 #include "cache/specular_rays.h"
 
 #include <algorithm>
@@ -19,40 +19,39 @@ namespace {
 constexpr int kRowSamples = RayCaster::kPacket;
 // Pixels share no rays across a step of more footprints than this off the tangent plane.
 constexpr float kOffPlane = 3.0f;
+// The variance of what a pixel's rays see over that of what its records miss, typically.
+constexpr float kNoiseOverMissed = 10.0f;
 
 struct Lobe {
     vec3 position, n, wo;
     float alpha;
 
-    Lobe(const GBuffer& gbuffer, size_t i)
-        : position(gbuffer.position.pixels[i]),
-          n(gbuffer.normal.pixels[i]),
+    Lobe(const GBuffer& gbuffer, const ivec2& at)
+        : position(gbuffer.position.at(at.x, at.y)),
+          n(gbuffer.normal.at(at.x, at.y)),
           wo(glm::normalize(gbuffer.view.origin - position)),
-          alpha(shared::alphaFromRoughness(gbuffer.normal.pixels[i].w)) {}
+          alpha(shared::alphaFromRoughness(gbuffer.normal.at(at.x, at.y).w)) {}
 };
 
-// What a pixel's own rays saw.
-struct Seen {
-    vec3 light{};        // the lobe's mean of what arrives: one for constant light of one
-    float nearness = 0;  // mean of one over the distance it comes from; 0: no ray met anything
-    vec3 mirrored{};     // where it comes from: the direction that mirrors the viewer's
-};
-
-// The mean of what the rays see, weighted by the estimator of visible normals, F G2 / G1. Dividing
-// by the weights' own mean takes their noise away.
-Seen see(const RayCaster& rays, const LightCells* cells, const GBuffer& gbuffer, size_t i,
-         const SpecularParams& params) {
-    const Lobe lobe(gbuffer, i);
-    const vec3 n_g = gbuffer.geometricNormalAt(rays.scene(), static_cast<int>(i));
+// What a pixel sees whose light is then shared by so many. A ray sees highlights as wide as the
+// cone it stands for: where that is counted too wide, mirrored highlights are blurred. The mean of
+// what the rays see, weighted by the estimator of visible normals, F G2 / G1. Dividing by the
+// weights' own mean takes their noise away.
+SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& gbuffer,
+                 const ivec2& at, float sharing, const SpecularParams& params) {
+    const Lobe lobe(gbuffer, at);
+    const int i = at.y * gbuffer.width + at.x;
+    const vec3 n_g = gbuffer.geometricNormalAt(rays.scene(), i);
     const mat3 frame = tangentFrame(lobe.n);
     const vec3 wo_local = glm::transpose(frame) * lobe.wo;
     const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
-    const vec3 f0(gbuffer.f0.pixels[i]);
-    const float f90 = gbuffer.diffuse.pixels[i].w;
+    const vec3 f0(gbuffer.f0.at(at.x, at.y));
+    const float f90 = gbuffer.diffuse.at(at.x, at.y).w;
     const vec3 eye = rays.origin(lobe.position, n_g, lobe.wo);
     const float wanted =
         std::min(params.rays_per_alpha * lobe.alpha, static_cast<float>(params.max_rays));
     const int rows = std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), 1);
+    const float rays_sharing = static_cast<float>(rows * kRowSamples) * sharing;
     vec3 sum(0.0f);
     vec3 all(0.0f);
     float nearness = 0.0f;
@@ -78,9 +77,9 @@ Seen see(const RayCaster& rays, const LightCells* cells, const GBuffer& gbuffer,
             all += weight;
             if (glm::dot(direction, n_g) > 0.0f) {
                 directions[count] = glm::normalize(direction);
-                // One over the rays' density: D G1 / (4 NoV) of each. [Hei18, eq. 17]
-                const float density = static_cast<float>(rows * kRowSamples) *
-                                      shared::distributionGgx(h.z, lobe.alpha) *
+                // One over the density of the rays, D G1 / (4 NoV) of each [Hei18, eq. 17], those
+                // of the pixels that share them included.
+                const float density = rays_sharing * shared::distributionGgx(h.z, lobe.alpha) *
                                       maskingSmith(NoV, lobe.alpha) / (4.0f * NoV);
                 solid_angles[count] = std::min(1.0f / std::max(density, 1e-12f), kPi);
                 weights[count++] = weight;
@@ -100,28 +99,34 @@ Seen see(const RayCaster& rays, const LightCells* cells, const GBuffer& gbuffer,
             .mirrored = glm::reflect(-lobe.wo, lobe.n)};
 }
 
-// The passes' images, and how pixels share what is in them.
+// How pixels share what they saw or, those that have records too, what these miss of it: `light`.
 class Sharing {
   public:
     Sharing(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-            const Image<Seen>& seen, const SpecularParams& params)
-        : scene_(scene), gbuffer_(gbuffer), classes_(classes), seen_(seen), params_(params) {}
+            const Image<SpecularSeen>& seen, const Image<vec3>& light, const SpecularParams& params)
+        : scene_(scene),
+          gbuffer_(gbuffer),
+          classes_(classes),
+          seen_(seen),
+          light_(light),
+          params_(params) {}
 
-    // The mean light of the pixels around (x, y) whose lobes overlap. Pixels on opposite sides
-    // weigh the same: one side alone, as at an edge, would stand for light that the other lacks.
-    vec3 lightAt(const Lobe& lobe, int x, int y) const {
-        vec3 sum = seen_.at(x, y).light;
+    // The mean of the pixels around `own` whose lobes overlap. Pixels on opposite sides weigh the
+    // same: one side alone, as at an edge, would stand for light that the other lacks.
+    vec3 lightAround(const ivec2& own) const {
+        const Lobe lobe(gbuffer_, own);
+        vec3 sum = light_.at(own.x, own.y);
         float all = 1.0f;
         for (int dy = 0; dy <= params_.window; ++dy) {
             for (int dx = dy == 0 ? 1 : -params_.window; dx <= params_.window; ++dx) {
-                const ivec2 d(dx, dy);
-                float weight = overlap(lobe, ivec2(x, y), d);
+                const ivec2 a = own + ivec2(dx, dy);
+                const ivec2 b = own - ivec2(dx, dy);
+                float weight = overlap(lobe, own, a);
                 if (weight > 0.0f) {
-                    weight = std::min(weight, overlap(lobe, ivec2(x, y), -d));
+                    weight = std::min(weight, overlap(lobe, own, b));
                 }
                 if (weight > 0.0f) {
-                    sum +=
-                        weight * (seen_.at(x + dx, y + dy).light + seen_.at(x - dx, y - dy).light);
+                    sum += weight * (light_.at(a.x, a.y) + light_.at(b.x, b.y));
                     all += 2.0f * weight;
                 }
             }
@@ -129,22 +134,54 @@ class Sharing {
         return sum / all;
     }
 
+    // The mean of the pixels around `own`, by a Gaussian: what records miss is small beside the
+    // light and changes slowly, so that more pixels have it in common, at contacts too. As the best
+    // estimate of a value of known variance from n noisy ones is, it is n / (n + the ratio of the
+    // variances) of their mean: on a silhouette few pixels tell what is missed.
+    vec3 missedAround(const ivec2& own) const {
+        const Lobe lobe(gbuffer_, own);
+        const float deviation = 0.5f * static_cast<float>(params_.window);
+        vec3 sum = light_.at(own.x, own.y);
+        float all = 1.0f;
+        float squares = 1.0f;
+        for (int dy = -params_.window; dy <= params_.window; ++dy) {
+            for (int dx = -params_.window; dx <= params_.window; ++dx) {
+                const ivec2 at = own + ivec2(dx, dy);
+                if (at != own && alike(lobe, own, at)) {
+                    const auto square = static_cast<float>(dx * dx + dy * dy);
+                    const float weight = std::exp(-0.5f * square / (deviation * deviation));
+                    sum += weight * light_.at(at.x, at.y);
+                    all += weight;
+                    squares += weight * weight;
+                }
+            }
+        }
+        const float pixels = all * all / squares;
+        return pixels / (pixels + kNoiseOverMissed) * sum / all;
+    }
+
   private:
-    // From 1, the same lobe, to 0: in the half vector's slope, of which GGX has the width alpha
-    // however narrow grazing views make the lobe. What the neighbour mirrors lies at the distance
-    // found, and from here in another direction.
-    float overlap(const Lobe& lobe, const ivec2& own, const ivec2& step) const {
-        const ivec2 at = own + step;
+    // Whether rays say as much of both, on the same surface, without a step between.
+    bool alike(const Lobe& lobe, const ivec2& own, const ivec2& at) const {
         if (at.x < 0 || at.y < 0 || at.x >= gbuffer_.width || at.y >= gbuffer_.height ||
-            classes_.by_rays.at(at.x, at.y) == 0 || materialAt(at) != materialAt(own)) {
-            return 0.0f;
+            classes_.by_rays.at(at.x, at.y) == 0 ||
+            classes_.isCorrected(at.x, at.y) != classes_.isCorrected(own.x, own.y) ||
+            materialAt(at) != materialAt(own)) {
+            return false;
         }
         const vec3 offset = vec3(gbuffer_.position.at(at.x, at.y)) - lobe.position;
         const float footprint = gbuffer_.pixel_angle * gbuffer_.position.at(own.x, own.y).w;
-        if (std::abs(glm::dot(offset, lobe.n)) > kOffPlane * footprint) {
+        return std::abs(glm::dot(offset, lobe.n)) <= kOffPlane * footprint;
+    }
+    // From 1, the same lobe, to 0: in the half vector's slope, of which GGX has the width alpha
+    // however narrow grazing views make the lobe. What the neighbour mirrors lies at the distance
+    // found, and from here in another direction.
+    float overlap(const Lobe& lobe, const ivec2& own, const ivec2& at) const {
+        if (!alike(lobe, own, at)) {
             return 0.0f;
         }
-        const Seen& there = seen_.at(at.x, at.y);
+        const vec3 offset = vec3(gbuffer_.position.at(at.x, at.y)) - lobe.position;
+        const SpecularSeen& there = seen_.at(at.x, at.y);
         const float nearness = std::max(there.nearness, seen_.at(own.x, own.y).nearness);
         const vec3 h = lobe.wo + glm::normalize(there.mirrored + offset * nearness);
         const float NoH = glm::dot(h, lobe.n);
@@ -159,7 +196,8 @@ class Sharing {
     const Scene& scene_;
     const GBuffer& gbuffer_;
     const PixelClasses& classes_;
-    const Image<Seen>& seen_;
+    const Image<SpecularSeen>& seen_;
+    const Image<vec3>& light_;
     const SpecularParams& params_;
 };
 
@@ -177,21 +215,39 @@ void forEachByRays(const PixelClasses& classes, const F& body) {
 
 }  // namespace
 
-Image<vec3> gatherSpecular(const RayCaster& rays, const LightCells* cells, const GBuffer& gbuffer,
-                           const PixelClasses& classes, const SpecularParams& params) {
-    Image<Seen> seen(gbuffer.width, gbuffer.height);
+Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells,
+                                  const GBuffer& gbuffer, const PixelClasses& classes,
+                                  const SpecularParams& params) {
+    // As many pixels as a Gaussian of half the window counts for: 4 pi times its variance.
+    const auto window = static_cast<float>(params.window);
+    const float sharing = std::max(kPi * window * window, 1.0f);
+    Image<SpecularSeen> seen(gbuffer.width, gbuffer.height);
     forEachByRays(classes, [&](int x, int y) {
-        const size_t i = static_cast<size_t>(y) * gbuffer.width + x;
-        seen.pixels[i] = see(rays, cells, gbuffer, i, params);
+        seen.at(x, y) =
+            see(rays, cells, gbuffer, {x, y}, classes.isCorrected(x, y) ? sharing : 1.0f, params);
     });
-    const Sharing sharing(rays.scene(), gbuffer, classes, seen, params);
-    Image<vec3> specular(gbuffer.width, gbuffer.height);
+    return seen;
+}
+
+Image<vec3> reflectSpecular(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
+                            const Image<SpecularSeen>& seen, const Image<vec3>& cached,
+                            const SpecularParams& params) {
+    Image<vec3> albedos(gbuffer.width, gbuffer.height);
+    Image<vec3> light(gbuffer.width, gbuffer.height);
     forEachByRays(classes, [&](int x, int y) {
-        const Lobe lobe(gbuffer, static_cast<size_t>(y) * gbuffer.width + x);
+        const Lobe lobe(gbuffer, {x, y});
         const vec2 ab = brdfAlbedo(glm::dot(lobe.n, lobe.wo), gbuffer.normal.at(x, y).w);
         const float f90 = gbuffer.diffuse.at(x, y).w;
-        specular.at(x, y) =
-            (vec3(gbuffer.f0.at(x, y)) * ab.x + vec3(f90 * ab.y)) * sharing.lightAt(lobe, x, y);
+        const vec3 albedo = vec3(gbuffer.f0.at(x, y)) * ab.x + vec3(f90 * ab.y);
+        albedos.at(x, y) = albedo;
+        light.at(x, y) = seen.at(x, y).light - cached.at(x, y) / glm::max(albedo, vec3(1e-12f));
+    });
+    const Sharing sharing(scene, gbuffer, classes, seen, light, params);
+    Image<vec3> specular(gbuffer.width, gbuffer.height);
+    forEachByRays(classes, [&](int x, int y) {
+        const vec3 shared =
+            classes.isCorrected(x, y) ? sharing.missedAround({x, y}) : sharing.lightAround({x, y});
+        specular.at(x, y) = cached.at(x, y) + albedos.at(x, y) * shared;
     });
     return specular;
 }

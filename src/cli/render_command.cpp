@@ -240,6 +240,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"gather_size", stats.gather_size},
                  {"passes", stats.passes},
                  {"diffuse_share", stats.diffuse_share},
+                 {"corrected_share", stats.corrected_share},
                  {"too_glossy_share", stats.too_glossy_share},
                  {"sh_order", shOrders(stats.sh_order)},
                  {"gl_renderer", stats.gl_renderer}};
@@ -288,8 +289,11 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
         if (o.params.target_error > 0.0) {
             fmt::print("accuracy  {:.3g}, found in {} passes\n", stats.accuracy, stats.passes);
         }
-        fmt::print("pixels    diffuse {:.1f}%, too glossy for the cache {:.1f}%\n",
-                   100.0 * stats.diffuse_share, 100.0 * stats.too_glossy_share);
+        fmt::print(
+            "pixels    diffuse {:.1f}%, corrected by rays {:.1f}%, too glossy for the cache "
+            "{:.1f}%\n",
+            100.0 * stats.diffuse_share, 100.0 * stats.corrected_share,
+            100.0 * stats.too_glossy_share);
         fmt::print("materials {}\n", orderSummary(stats.sh_order));
         fmt::print("renderer  {}, {} threads\n", stats.gl_renderer, threadCount());
     }

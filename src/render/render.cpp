@@ -97,7 +97,7 @@ struct Stage {
     PixelLobes lobes;
     std::optional<RayCaster> rays;
     std::optional<LightCells> cells;
-    Image<vec3> traced;  // what pixels reflect that are too glossy for the cache
+    Image<SpecularSeen> specular;  // what pixels see by rays of their own
 
     Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds);
     ~Stage() {
@@ -113,8 +113,7 @@ struct Stage {
 // cannot follow. Direct light comes from rays where records use rays, else from shadow maps.
 Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds)
     // Only the raster gather draws with more than one context.
-    : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
-      traced(params.width, params.height) {
+    : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount(), threadCount()) {
     const bool by_rays = params.gather_road == GatherRoad::kRays;
     const Timer shadow_timer;
     pool.runOnFirst([&] { gpu = uploadScene(scene, by_rays ? GpuUse::kCamera : GpuUse::kGather); });
@@ -132,7 +131,8 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     seconds.gbuffer = gbuffer_timer.seconds();
 
     const Timer gather_timer;
-    if (by_rays || classes.too_glossy > 0) {
+    const bool specular_rays = classes.anyByRays();
+    if (by_rays || specular_rays) {
         rays.emplace(scene);
     }
     if (by_rays) {
@@ -140,9 +140,9 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     } else {
         lightSurfaces(pool, gpu);
     }
-    if (classes.too_glossy > 0) {
-        traced =
-            gatherSpecular(*rays, cells ? &*cells : nullptr, gbuffer, classes, params.specular);
+    if (specular_rays) {
+        specular =
+            traceSpecular(*rays, cells ? &*cells : nullptr, gbuffer, classes, params.specular);
     }
     seconds.gather = gather_timer.seconds();
 
@@ -191,8 +191,11 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
     seconds.splat += splat_timer.seconds();
 
     const Timer compose_timer;
-    const ComposeCounts counts = compose(stage.gbuffer, stage.classes, stage.lobes, splat,
-                                         stage.traced, irradiance_only, result.frame);
+    const Image<vec3> specular =
+        reflectSpecular(scene, stage.gbuffer, stage.classes, stage.specular,
+                        cachedSpecular(stage.classes, stage.lobes, splat), params.specular);
+    const ComposeCounts counts = compose(stage.gbuffer, stage.classes, stage.lobes, splat, specular,
+                                         irradiance_only, result.frame);
     const double estimate =
         estimateRelRmse(stage.gbuffer, stage.classes, stage.lobes, placement, how.servingWeight(),
                         irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
@@ -252,6 +255,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     stats.gl_renderer = stage.pool.renderer();
     const double geometry = std::max(stage.classes.geometry, 1);
     stats.diffuse_share = stage.classes.diffuse / geometry;
+    stats.corrected_share = stage.classes.corrected / geometry;
     stats.too_glossy_share = stage.classes.too_glossy / geometry;
     stats.sh_order = nameOrders(scene, stage.classes.material_orders);
     return result;

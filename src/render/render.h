@@ -70,7 +70,8 @@ struct RenderStats {
     int gather_size = 0;          ///< likewise
     int passes = 0;               ///< more than 1 for a target error; 0 for other methods
     double diffuse_share = 0;     ///< of pixels_geometry, classified as diffuse
-    double too_glossy_share = 0;  ///< of pixels_geometry, smoother than the highest order resolves
+    double corrected_share = 0;   ///< of pixels_geometry, whose records rays correct
+    double too_glossy_share = 0;  ///< of pixels_geometry, whose specular light is by rays alone
     std::vector<MaterialOrder> sh_order;
     std::string gl_renderer;      ///< empty where none was used
     double mrays_per_second = 0;  ///< path-traced methods only

@@ -12,10 +12,28 @@ bool finite(const vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+// By the records; their weights must have a sum above zero.
+vec3 specularAt(const PixelLobes& lobes, const SplatBuffer& splat, int x, int y) {
+    return lobes.scale.at(x, y) * vec3(splat.specular.at(x, y)) / splat.irradiance.at(x, y).w;
+}
+
 }  // namespace
 
+Image<vec3> cachedSpecular(const PixelClasses& classes, const PixelLobes& lobes,
+                           const SplatBuffer& splat) {
+    Image<vec3> specular(classes.orders.width, classes.orders.height);
+    for (int y = 0; y < specular.height; ++y) {
+        for (int x = 0; x < specular.width; ++x) {
+            if (classes.isCorrected(x, y) && splat.irradiance.at(x, y).w > 0.0f) {
+                specular.at(x, y) = specularAt(lobes, splat, x, y);
+            }
+        }
+    }
+    return specular;
+}
+
 ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                      const SplatBuffer& splat, const Image<vec3>& traced, bool irradiance_only,
+                      const SplatBuffer& splat, const Image<vec3>& by_rays, bool irradiance_only,
                       Frame& frame) {
     const int width = gbuffer.width;
     const int height = gbuffer.height;
@@ -54,9 +72,9 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
             const vec3 irradiance = vec3(sum) / sum.w;
             vec3 specular(0.0f);
             if (classes.by_rays.at(x, y) != 0) {
-                specular = traced.at(x, y);
+                specular = by_rays.at(x, y);
             } else if (classes.orders.at(x, y) > shared::DIFFUSE_ORDER) {
-                specular = lobes.scale.at(x, y) * vec3(splat.specular.at(x, y)) / sum.w;
+                specular = specularAt(lobes, splat, x, y);
             } else if (!irradiance_only) {
                 // The diffuse class: the lobe acts as a cosine of the same albedo.
                 const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(position));

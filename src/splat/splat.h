@@ -33,6 +33,10 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
 SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
                      const RecordCache& cache, const WeightParams& weight);
 
+/// What the lobes of pixels that rays correct reflect by the records alone; black elsewhere.
+Image<vec3> cachedSpecular(const PixelClasses& classes, const PixelLobes& lobes,
+                           const SplatBuffer& splat);
+
 /// How many records serve each pixel.
 Image<float> countRecords(const GBuffer& gbuffer, const PixelClasses& classes,
                           const RecordCache& cache, const WeightParams& weight);
@@ -43,10 +47,10 @@ struct ComposeCounts {
     int negative = 0;   ///< pixels with a channel below zero, clamped
 };
 
-/// Divides by the weights, applies the reflectances and fills the frame's layers. `traced`: what
-/// gatherSpecular() found. `irradiance_only`: the diffuse part alone, on all surfaces.
+/// Divides by the weights, applies the reflectances and fills the frame's layers. `by_rays`: what
+/// reflectSpecular() found. `irradiance_only`: the diffuse part alone, on all surfaces.
 ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                      const SplatBuffer& splat, const Image<vec3>& traced, bool irradiance_only,
+                      const SplatBuffer& splat, const Image<vec3>& by_rays, bool irradiance_only,
                       Frame& frame);
 
 }  // namespace sheen
