@@ -25,7 +25,7 @@ const std::vector<std::string> kAllScenes = {"cornell_diffuse", "cornell_glossy"
 constexpr int kProjectionSites = 1000;
 constexpr int kHemisphereSites = 3334;  // 10,000 in all, as Table 8.1 of [GKB09]
 constexpr int kSizeSites = 400;
-constexpr int kYardstickSites = 2000;
+constexpr int kYardstickSites = 1000;
 constexpr int kGradientSites = 150;
 
 const std::set<std::string> kStudies = {"sh", "hemispheres", "sizes", "yardstick", "gradients"};
