@@ -67,6 +67,25 @@ TEST(AgainstTheReference, GlossyRoomByRadianceAndItsDiffusePartByIrradiance) {
     }
 }
 
+// At contacts pixels can hardly share what their rays see: by rays alone the error was 4.8% and
+// that of the worst tile 8.4%, where records that rays correct have 1.7% and 2.9%.
+TEST(AgainstTheReference, APolishedMetalFloorSeenAtAGrazingAngle) {
+    constexpr double kRmse = 0.025, kWorstTile = 0.045;
+    constexpr int kPaths = 4096;
+    Scene scene = cornellRoom(glossyParams(vec3(0.8f), 1.0f, 0.45f), diffuseParams(vec3(0.6f)));
+    scene.cameras = {lookAt(vec3(0.1f, -0.7f, 0.95f), vec3(-0.1f, -0.95f, -0.3f))};
+    const ReferenceResult truth = renderReference(scene, smallParams(scene, kSize, kPaths));
+    const RenderResult result = renderFrame(scene, smallRender(kSize, kSize));
+    EXPECT_GT(result.stats.corrected_share, 0.2);
+    EXPECT_EQ(result.stats.too_glossy_share, 0.0);
+    const Comparison c = compare(result.frame.indirect, result.frame, truth.frame.indirect,
+                                 truth.frame.indirect_variance, truth.frame);
+    EXPECT_TRUE(c.judged);
+    EXPECT_LT(c.rel_rmse, kRmse);
+    EXPECT_LT(c.tile_max, kWorstTile);
+    EXPECT_LT(std::abs(c.bias), kGlossyBias);
+}
+
 TEST(AgainstTheReference, EveryWayToGather) {
     const Scene scene =
         cornellRoom(diffuseParams(vec3(0.6f)), glossyParams(vec3(0.9f), 1.0f, 0.5f));
