@@ -33,12 +33,19 @@ struct Lobe {
           alpha(shared::alphaFromRoughness(gbuffer.normal.at(at.x, at.y).w)) {}
 };
 
-// What a pixel sees whose light is then shared by so many. A ray sees highlights as wide as the
-// cone it stands for: where that is counted too wide, mirrored highlights are blurred. The mean of
-// what the rays see, weighted by the estimator of visible normals, F G2 / G1. Dividing by the
-// weights' own mean takes their noise away.
+// What the lobe reflects of constant light.
+vec3 specularAlbedo(const GBuffer& gbuffer, const ivec2& at) {
+    const Lobe lobe(gbuffer, at);
+    const vec2 ab = brdfAlbedo(glm::dot(lobe.n, lobe.wo), gbuffer.normal.at(at.x, at.y).w);
+    return vec3(gbuffer.f0.at(at.x, at.y)) * ab.x + vec3(gbuffer.diffuse.at(at.x, at.y).w * ab.y);
+}
+
+// What a pixel sees by this share of the usual rays, when `sharing` pixels share them. A ray sees
+// highlights as wide as the cone it stands for: where that is counted too wide, mirrored highlights
+// are blurred. The mean of what the rays see, weighted by the estimator of visible normals, F G2 /
+// G1. Dividing by the weights' own mean takes their noise away.
 SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& gbuffer,
-                 const ivec2& at, float sharing, const SpecularParams& params) {
+                 const ivec2& at, float rays_share, float sharing, const SpecularParams& params) {
     const Lobe lobe(gbuffer, at);
     const int i = at.y * gbuffer.width + at.x;
     const vec3 n_g = gbuffer.geometricNormalAt(rays.scene(), i);
@@ -48,8 +55,8 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
     const vec3 f0(gbuffer.f0.at(at.x, at.y));
     const float f90 = gbuffer.diffuse.at(at.x, at.y).w;
     const vec3 eye = rays.origin(lobe.position, n_g, lobe.wo);
-    const float wanted =
-        std::min(params.rays_per_alpha * lobe.alpha, static_cast<float>(params.max_rays));
+    const float wanted = rays_share * std::min(params.rays_per_alpha * lobe.alpha,
+                                               static_cast<float>(params.max_rays));
     const int rows = std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), 1);
     const float rays_sharing = static_cast<float>(rows * kRowSamples) * sharing;
     vec3 sum(0.0f);
@@ -223,8 +230,15 @@ Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells
     const float sharing = std::max(kPi * window * window, 1.0f);
     Image<SpecularSeen> seen(gbuffer.width, gbuffer.height);
     forEachByRays(classes, [&](int x, int y) {
-        seen.at(x, y) =
-            see(rays, cells, gbuffer, {x, y}, classes.isCorrected(x, y) ? sharing : 1.0f, params);
+        if (!classes.isCorrected(x, y)) {
+            seen.at(x, y) = see(rays, cells, gbuffer, {x, y}, 1.0f, 1.0f, params);
+            return;
+        }
+        // Their noise shows by the lobe's share of what a pixel reflects: so do their rays [Ney34].
+        const float specular = luminance(specularAlbedo(gbuffer, {x, y}));
+        const float all = specular + luminance(vec3(gbuffer.diffuse.at(x, y)));
+        const float share = specular / std::max(all, 1e-12f);
+        seen.at(x, y) = see(rays, cells, gbuffer, {x, y}, share, sharing, params);
     });
     return seen;
 }
@@ -235,10 +249,7 @@ Image<vec3> reflectSpecular(const Scene& scene, const GBuffer& gbuffer, const Pi
     Image<vec3> albedos(gbuffer.width, gbuffer.height);
     Image<vec3> light(gbuffer.width, gbuffer.height);
     forEachByRays(classes, [&](int x, int y) {
-        const Lobe lobe(gbuffer, {x, y});
-        const vec2 ab = brdfAlbedo(glm::dot(lobe.n, lobe.wo), gbuffer.normal.at(x, y).w);
-        const float f90 = gbuffer.diffuse.at(x, y).w;
-        const vec3 albedo = vec3(gbuffer.f0.at(x, y)) * ab.x + vec3(f90 * ab.y);
+        const vec3 albedo = specularAlbedo(gbuffer, {x, y});
         albedos.at(x, y) = albedo;
         light.at(x, y) = seen.at(x, y).light - cached.at(x, y) / glm::max(albedo, vec3(1e-12f));
     });
