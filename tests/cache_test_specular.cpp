@@ -53,6 +53,16 @@ struct Gathering {
     RayCaster rays;
 };
 
+// Root of the sum of the squared differences.
+double distance(const Image<vec3>& image, const Image<vec3>& truth) {
+    double squares = 0.0;
+    for (size_t i = 0; i < truth.pixels.size(); ++i) {
+        const vec3 d = image.pixels[i] - truth.pixels[i];
+        squares += static_cast<double>(glm::dot(d, d));
+    }
+    return std::sqrt(squares);
+}
+
 // A floor whose lobe has this width and that reflects a small lamp on the ceiling.
 Scene litFloor(float alpha) {
     Room room;
@@ -77,14 +87,7 @@ TEST(SpecularRays, SharingTakesNoiseAway) {
     const Gathering floor(litFloor(0.1f));
     const Image<vec3> truth = floor.gather(
         {.rays_per_alpha = 1e6f, .max_rays = 20 * SpecularParams{}.max_rays, .window = 0});
-    const auto difference = [&](const Image<vec3>& image) {
-        double squares = 0.0;
-        for (size_t i = 0; i < truth.pixels.size(); ++i) {
-            const vec3 d = image.pixels[i] - truth.pixels[i];
-            squares += static_cast<double>(glm::dot(d, d));
-        }
-        return std::sqrt(squares);
-    };
+    const auto difference = [&](const Image<vec3>& image) { return distance(image, truth); };
     const auto sum = [](const Image<vec3>& image) {
         double all = 0.0;
         for (const vec3& pixel : image.pixels) {
@@ -174,18 +177,23 @@ TEST(SpecularRays, CorrectWhatRecordsMissAndSpareWhatTheyDoNot) {
     const Image<vec3> truth = reflectSpecular(
         floor.scene, floor.gbuffer, alone,
         traceSpecular(floor.rays, nullptr, floor.gbuffer, alone, many), nothing, many);
-    const auto difference = [&](const Image<vec3>& image) {
-        double squares = 0.0;
-        for (size_t i = 0; i < truth.pixels.size(); ++i) {
-            const vec3 d = image.pixels[i] - truth.pixels[i];
-            squares += static_cast<double>(glm::dot(d, d));
-        }
-        return std::sqrt(squares);
-    };
+    const auto difference = [&](const Image<vec3>& image) { return distance(image, truth); };
     Image<vec3> too_dark = truth;
     for (vec3& pixel : too_dark.pixels) {
         pixel *= 0.8f;
     }
+    // One pixel that its records know nothing of spoils no other.
+    Image<vec3> spoilt = too_dark;
+    const vec3 nan(std::nanf(""));
+    const auto corrected = [&](int i) { return floor.classes.isCorrected(i, kSize - 10); };
+    const int x = corrected(kSize / 2) ? kSize / 2 : kSize / 3;
+    ASSERT_TRUE(corrected(x));
+    spoilt.at(x, kSize - 10) = nan;
+    int not_finite = 0;
+    for (const vec3& pixel : floor.gather(spoilt).pixels) {
+        not_finite += std::isfinite(pixel.x + pixel.y + pixel.z) ? 0 : 1;
+    }
+    EXPECT_EQ(not_finite, 1);
     EXPECT_LT(difference(floor.gather(too_dark)), kLeftOfTheError * difference(too_dark));
     const Image<vec3> by_rays_alone = reflectSpecular(
         floor.scene, floor.gbuffer, alone,

@@ -154,7 +154,7 @@ class Sharing {
         for (int dy = -params_.window; dy <= params_.window; ++dy) {
             for (int dx = -params_.window; dx <= params_.window; ++dx) {
                 const ivec2 at = own + ivec2(dx, dy);
-                if (at != own && alike(lobe, own, at)) {
+                if (at != own && alike(lobe, own, at) && finiteAt(at)) {
                     const auto square = static_cast<float>(dx * dx + dy * dy);
                     const float weight = std::exp(-0.5f * square / (deviation * deviation));
                     sum += weight * light_.at(at.x, at.y);
@@ -179,6 +179,11 @@ class Sharing {
         const vec3 offset = vec3(gbuffer_.position.at(at.x, at.y)) - lobe.position;
         const float footprint = gbuffer_.pixel_angle * gbuffer_.position.at(own.x, own.y).w;
         return std::abs(glm::dot(offset, lobe.n)) <= kOffPlane * footprint;
+    }
+    // What records could not say, compose() counts at one pixel; none around is to suffer from it.
+    bool finiteAt(const ivec2& at) const {
+        const vec3& light = light_.at(at.x, at.y);
+        return std::isfinite(light.x + light.y + light.z);
     }
     // From 1, the same lobe, to 0: in the half vector's slope, of which GGX has the width alpha
     // however narrow grazing views make the lobe. What the neighbour mirrors lies at the distance
