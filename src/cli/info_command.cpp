@@ -6,7 +6,6 @@
 #include "cli/commands.h"
 #include "cli/output.h"
 #include "scene/scene.h"
-#include "sh/sh.h"
 
 namespace sheen::cli {
 namespace {
@@ -97,9 +96,7 @@ void printScene(const std::string& path, const Scene& scene) {
             params.emission == vec3(0.0f) ? "" : ", emits " + textFrom(params.emission),
             order == shared::DIFFUSE_ORDER
                 ? "cached as irradiance"
-                : fmt::format(
-                      "cached at SH order {}{}", order,
-                      order == shared::SH_MAX_ORDER ? ", by rays where that is too few" : ""));
+                : fmt::format("cached at SH order {}, by rays where that is too few", order));
     }
     for (size_t i = 0; i < scene.lights.size(); ++i) {
         const PunctualLight& light = scene.lights[i];

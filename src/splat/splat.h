@@ -48,7 +48,8 @@ struct ComposeCounts {
 };
 
 /// Divides by the weights, applies the reflectances and fills the frame's layers. `by_rays`: what
-/// reflectSpecular() found. `irradiance_only`: the diffuse part alone, on all surfaces.
+/// reflectSpecular() found; empty where no pixel is by rays. `irradiance_only`: the diffuse part
+/// alone, on all surfaces.
 ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
                       const SplatBuffer& splat, const Image<vec3>& by_rays, bool irradiance_only,
                       Frame& frame);
