@@ -28,7 +28,7 @@ TEST(SceneLoader, ReadsATriangleWithFlatNormals) {
         EXPECT_VEC3(normal, 0, 0, 1);
     }
     EXPECT_VEC3(scene.bounds.upper, 1, 1, 0);
-    EXPECT_TRUE(scene.warnings.empty());
+    EXPECT_EQ(scene.warnings.size(), 1u) << "none but of the sun";
 }
 
 TEST(SceneLoader, PrimitiveWithoutMaterialGetsTheDefaultOne) {
@@ -233,7 +233,7 @@ TEST(SceneLoader, DecodesBaseColorTexturesToLinearLight) {
     EXPECT_VEC3(texture.texels[1], 1, 1, 1);
     EXPECT_NEAR(texture.texels[2].x, 0.2158605f, kRounding);  // sRGB 128 / 255
     EXPECT_VEC3(texture.texels[3], 1, 0, 0);
-    EXPECT_TRUE(scene.warnings.empty());
+    EXPECT_EQ(scene.warnings.size(), 1u) << "none but of the sun";
 }
 
 TEST(SceneLoader, MaterialsShareATexture) {
@@ -315,8 +315,35 @@ TEST(SceneLoader, SceneWithoutCamerasGetsOneThatSeesAllOfIt) {
     }
 }
 
+TEST(SceneLoader, SceneThatWouldBeBlackGetsASunAndSaysSo) {
+    GltfFile file = oneTriangle();
+    const Scene dark = file.load();
+    ASSERT_EQ(dark.lights.size(), 1u);
+    EXPECT_EQ(dark.light_names, std::vector<std::string>{"default"});
+    const LightSample sun = shared::sampleLight(dark.lights[0], vec3(0.0f));
+    EXPECT_GT(sun.wi.y, 0.5f) << "from above";
+    EXPECT_VEC3(sun.irradiance, kPi, kPi, kPi);
+    EXPECT_TRUE(warnsOf(dark, "no light and nothing that emits"));
+
+    file.json["materials"] = Json::array({{{"emissiveFactor", {0, 0.1, 0}}}});
+    const Scene glowing = file.load();
+    EXPECT_TRUE(glowing.lights.empty());
+    EXPECT_FALSE(warnsOf(glowing, "no light"));
+}
+
+TEST(SceneLoader, EmissiveFactorWithoutItsTextureIsNoLight) {
+    GltfFile file = textured();
+    file.json["materials"][0]["emissiveFactor"] = {1, 1, 1};
+    EXPECT_VEC3(file.load().materials[0].params.emission, 1, 1, 1);
+    file.json["materials"][0]["emissiveTexture"]["index"] = 0;
+    const Scene scene = file.load();
+    EXPECT_VEC3(scene.materials[0].params.emission, 0, 0, 0);
+    EXPECT_TRUE(warnsOf(scene, "emissive textures are not supported: material does not emit"));
+}
+
 TEST(SceneLoader, EmptySceneIsLegalAndSaysSo) {
     const Scene scene = GltfFile().load();
+    EXPECT_TRUE(scene.lights.empty()) << "nothing to light";
     EXPECT_EQ(scene.triangleCount(), 0);
     EXPECT_TRUE(scene.bounds.empty());
     EXPECT_EQ(scene.cameras.size(), 1u);

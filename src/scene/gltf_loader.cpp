@@ -257,6 +257,23 @@ Camera framingCamera(const Bounds& bounds) {
     return camera;
 }
 
+bool isDark(const Scene& scene) {
+    return scene.lights.empty() &&
+           std::all_of(scene.materials.begin(), scene.materials.end(),
+                       [](const Material& m) { return m.params.emission == vec3(0.0f); });
+}
+
+// From above, to the left of the framing camera. White that faces it has radiance 1.
+PunctualLight framingSun() {
+    PunctualLight sun{};
+    sun.kind = shared::LIGHT_DIRECTIONAL;
+    sun.direction = glm::normalize(vec3(0.4f, -1.0f, -0.6f));
+    sun.intensity = vec3(kPi);
+    sun.spot_offset = 1.0f;
+    sun.cos_outer = -1.0f;
+    return sun;
+}
+
 }  // namespace
 }  // namespace gltf
 
@@ -274,6 +291,12 @@ Scene loadScene(const std::string& path) {
     gltf::noteIgnoredParts(file);
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");
+    } else if (gltf::isDark(scene)) {
+        scene.lights.push_back(gltf::framingSun());
+        scene.light_names.push_back("default");
+        file.notes.add(
+            "the scene has no light and nothing that emits: lit by a sun from above; "
+            "export it with its lights (KHR_lights_punctual) to see it in those");
     }
     if (scene.cameras.empty()) {
         scene.cameras.push_back(gltf::framingCamera(scene.bounds));

@@ -229,7 +229,9 @@ void noteUnsupported(File& file, const tinygltf::Material& source) {
     note(source.pbrMetallicRoughness.metallicRoughnessTexture.index != -1,
          "metallic-roughness textures are");
     note(source.occlusionTexture.index != -1, "occlusion textures are");
-    note(source.emissiveTexture.index != -1, "emissive textures are");
+    if (source.emissiveTexture.index != -1) {
+        file.notes.add("emissive textures are not supported: material does not emit");
+    }
     if (source.alphaMode != "OPAQUE") {
         file.notes.add(fmt::format("alphaMode {} is not supported: material shown opaque",
                                    oneLine(source.alphaMode)));
@@ -256,12 +258,13 @@ Material loadMaterial(File& file, size_t index, TextureIndex& known, Scene& scen
     params.roughness = clampedFactor(file, pbr.roughnessFactor, 1.0, where, "roughnessFactor");
     params.specular = 1.0f;
     params.specular_color = vec3(1.0f);
-    double strength = 1.0;
+    // The factor without its texture, mostly black, would make all of the surface shine.
+    double strength = source.emissiveTexture.index == -1 ? 1.0 : 0.0;
     for (const auto& [name, extension] : source.extensions) {
         if (name == "KHR_materials_specular") {
             readSpecular(file, extension, where, params);
         } else if (name == "KHR_materials_emissive_strength") {
-            strength = numberMember(file, extension, "emissiveStrength", 1.0, where);
+            strength *= numberMember(file, extension, "emissiveStrength", 1.0, where);
         }
     }
     for (int c = 0; c < 3; ++c) {

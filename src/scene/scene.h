@@ -61,7 +61,8 @@ struct Scene {
 /// base-colour textures, KHR_materials_specular, KHR_materials_emissive_strength, cameras,
 /// KHR_lights_punctual. Whatever else the file uses is named in Scene::warnings, or, where the
 /// result would be wrong (a required extension, a compressed mesh), is an input error.
-/// A scene without cameras gets one that frames its bounds.
+/// A scene without cameras gets one that frames its bounds; geometry without lights, none of which
+/// emits, gets a sun from above, of pi lux, and a warning that says so.
 Scene loadScene(const std::string& path);
 
 /// The camera called `name`, or the one with that index; empty: the first. Usage error if absent.
