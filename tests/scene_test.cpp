@@ -242,6 +242,24 @@ TEST(SceneLoader, MaterialsShareATexture) {
     EXPECT_EQ(file.load().textures.size(), 1u);
 }
 
+TEST(SceneLoader, MetallicRoughnessTexturesCountByTheirMeans) {
+    GltfFile file = textured();
+    const scenes::Picture picture{2, 1, {{{9, 255, 0}}, {{9, 153, 51}}}};
+    file.json["images"].push_back(
+        {{"bufferView", file.addView(scenes::encodePng(picture))}, {"mimeType", "image/png"}});
+    file.json["textures"].push_back({{"source", 1}});
+    Json& pbr = file.json["materials"][0]["pbrMetallicRoughness"];
+    pbr["metallicFactor"] = 0.5;
+    pbr["roughnessFactor"] = 0.25;
+    pbr["metallicRoughnessTexture"]["index"] = 1;
+    const Scene scene = file.load();
+    const MaterialParams& params = scene.materials[0].params;
+    EXPECT_NEAR(params.roughness, 0.25f * 0.8f, kRounding) << "green, as stored";
+    EXPECT_NEAR(params.metallic, 0.5f * 0.1f, kRounding) << "blue";
+    EXPECT_EQ(scene.textures.size(), 1u) << "that of the base colour";
+    EXPECT_TRUE(warnsOf(scene, "metallic-roughness textures are not supported"));
+}
+
 GltfFile withLight(const Json& light) {
     GltfFile file = oneTriangle();
     file.json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({light});

@@ -114,6 +114,11 @@ const Breakage kBreakages[] = {
      "sparse"},
     {"TextureMissing", [](Json& j) { useTexture(j, 3); }, "texture 3"},
     {"TextureNegative", [](Json& j) { useTexture(j, -3); }, "texture -3"},
+    {"MetallicRoughnessTextureMissing",
+     [](Json& j) {
+         j["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"] = 3;
+     },
+     "texture 3"},
     {"ImageMissing",
      [](Json& j) {
          useTexture(j, 0);

@@ -45,16 +45,37 @@ int wrapOf(const File& file, int gl_wrap, const std::string& where) {
     }
 }
 
-std::vector<vec3> linearTexels(const tinygltf::Image& image) {
-    const auto count = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
+size_t texelCount(const tinygltf::Image& image) {
+    return static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
+}
+
+// The first three components of a texel as stored, in [0, 1].
+vec3 storedTexel(const tinygltf::Image& image, size_t i) {
     const auto components = static_cast<size_t>(image.component);
-    std::vector<vec3> texels(count);
     if (image.bits == 16) {
-        for (size_t i = 0; i < count; ++i) {
-            std::array<uint16_t, 3> rgb;
-            std::memcpy(rgb.data(), image.image.data() + 2 * i * components, sizeof(rgb));
+        std::array<uint16_t, 3> rgb;
+        std::memcpy(rgb.data(), image.image.data() + 2 * i * components, sizeof(rgb));
+        return vec3(rgb[0], rgb[1], rgb[2]) / 65535.0f;
+    }
+    const unsigned char* rgb = image.image.data() + i * components;
+    return vec3(rgb[0], rgb[1], rgb[2]) / 255.0f;
+}
+
+vec3 meanTexel(const tinygltf::Image& image) {
+    glm::dvec3 sum(0.0);
+    for (size_t i = 0; i < texelCount(image); ++i) {
+        sum += storedTexel(image, i);
+    }
+    return vec3(sum / static_cast<double>(texelCount(image)));
+}
+
+std::vector<vec3> linearTexels(const tinygltf::Image& image) {
+    std::vector<vec3> texels(texelCount(image));
+    if (image.bits == 16) {
+        for (size_t i = 0; i < texels.size(); ++i) {
+            const vec3 stored = storedTexel(image, i);
             for (int c = 0; c < 3; ++c) {
-                texels[i][c] = linearFromSrgb(rgb[static_cast<size_t>(c)] / 65535.0f);
+                texels[i][c] = linearFromSrgb(stored[c]);
             }
         }
         return texels;
@@ -63,7 +84,8 @@ std::vector<vec3> linearTexels(const tinygltf::Image& image) {
     for (size_t i = 0; i < table.size(); ++i) {
         table[i] = linearFromSrgb(static_cast<float>(i) / 255.0f);
     }
-    for (size_t i = 0; i < count; ++i) {
+    const auto components = static_cast<size_t>(image.component);
+    for (size_t i = 0; i < texels.size(); ++i) {
         const unsigned char* rgb = image.image.data() + i * components;
         texels[i] = {table[rgb[0]], table[rgb[1]], table[rgb[2]]};
     }
@@ -135,7 +157,8 @@ void checkImage(const File& file, const ByteSpan& bytes, const std::string& wher
     }
 }
 
-Texture decodeImage(const File& file, int index) {
+// At least three components.
+tinygltf::Image decodeImage(const File& file, int index) {
     const tinygltf::Image& source = file.model.images[static_cast<size_t>(index)];
     const std::string where = label("image", static_cast<size_t>(index), source.name);
     ByteSpan bytes{source.image.data(), source.image.size()};
@@ -158,22 +181,31 @@ Texture decodeImage(const File& file, int index) {
         image.component < 3) {
         file.fail(where, "it cannot be decoded; use an intact PNG or JPEG");
     }
-    return {.width = image.width, .height = image.height, .texels = linearTexels(image)};
+    return image;
 }
 
-// Decoded textures by (image, wrap), so that materials share them.
-using TextureIndex = std::map<std::array<int, 3>, int>;
+// What was made of images, so that materials share it.
+struct KnownImages {
+    std::map<std::array<int, 3>, int> textures;  // of Scene, by (image, wrap)
+    std::map<int, vec3> means;
+};
 
-int loadTexture(File& file, int texture_index, const std::string& owner, TextureIndex& known,
-                Scene& scene) {
-    const tinygltf::Texture& texture =
-        file.at(file.model.textures, texture_index, owner, "texture");
-    const std::string where = fmt::format("texture {}", texture_index);
+// A texture whose image exists.
+const tinygltf::Texture& textureAt(const File& file, int index, const std::string& owner) {
+    const tinygltf::Texture& texture = file.at(file.model.textures, index, owner, "texture");
+    const std::string where = fmt::format("texture {}", index);
     if (texture.source < 0 && !texture.extensions.empty()) {
         file.fail(where, "its image format ({}) is not supported; use PNG or JPEG",
                   oneLine(texture.extensions.begin()->first));
     }
     file.at(file.model.images, texture.source, where, "image");
+    return texture;
+}
+
+int loadTexture(File& file, int texture_index, const std::string& owner, KnownImages& known,
+                Scene& scene) {
+    const tinygltf::Texture& texture = textureAt(file, texture_index, owner);
+    const std::string where = fmt::format("texture {}", texture_index);
     glm::ivec2 wrap(shared::WRAP_REPEAT);
     if (texture.sampler != -1) {
         const tinygltf::Sampler& sampler =
@@ -185,14 +217,29 @@ int loadTexture(File& file, int texture_index, const std::string& owner, Texture
             file.notes.add("nearest filtering is not supported: texture filtered linearly");
         }
     }
-    const auto [found, is_new] = known.try_emplace({texture.source, wrap.x, wrap.y},
-                                                   static_cast<int>(scene.textures.size()));
+    const auto [found, is_new] = known.textures.try_emplace(
+        {texture.source, wrap.x, wrap.y}, static_cast<int>(scene.textures.size()));
     if (is_new) {
-        Texture decoded = decodeImage(file, texture.source);
-        decoded.wrap = wrap;
-        scene.textures.push_back(std::move(decoded));
+        const tinygltf::Image image = decodeImage(file, texture.source);
+        scene.textures.push_back({.width = image.width,
+                                  .height = image.height,
+                                  .texels = linearTexels(image),
+                                  .wrap = wrap});
     }
     return found->second;
+}
+
+// Factors are 1 where a texture says what varies: without it all would be rough metal.
+void applyMeanMetallicRoughness(File& file, int texture_index, const std::string& owner,
+                                KnownImages& known, MaterialParams& params) {
+    const int image = textureAt(file, texture_index, owner).source;
+    const auto [mean, is_new] = known.means.try_emplace(image);
+    if (is_new) {
+        mean->second = meanTexel(decodeImage(file, image));
+    }
+    params.roughness *= mean->second.g;
+    params.metallic *= mean->second.b;
+    file.notes.add("metallic-roughness textures are not supported: material has its mean");
 }
 
 void readSpecular(File& file, const tinygltf::Value& extension, const std::string& where,
@@ -226,8 +273,6 @@ void noteUnsupported(File& file, const tinygltf::Material& source) {
         }
     };
     note(source.normalTexture.index != -1, "normal textures are");
-    note(source.pbrMetallicRoughness.metallicRoughnessTexture.index != -1,
-         "metallic-roughness textures are");
     note(source.occlusionTexture.index != -1, "occlusion textures are");
     if (source.emissiveTexture.index != -1) {
         file.notes.add("emissive textures are not supported: material does not emit");
@@ -244,7 +289,7 @@ void noteUnsupported(File& file, const tinygltf::Material& source) {
     }
 }
 
-Material loadMaterial(File& file, size_t index, TextureIndex& known, Scene& scene) {
+Material loadMaterial(File& file, size_t index, KnownImages& known, Scene& scene) {
     const tinygltf::Material& source = file.model.materials[index];
     const std::string where = label("material", index, source.name);
     const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
@@ -278,6 +323,9 @@ Material loadMaterial(File& file, size_t index, TextureIndex& known, Scene& scen
         material.base_color_texture =
             loadTexture(file, pbr.baseColorTexture.index, where, known, scene);
     }
+    if (pbr.metallicRoughnessTexture.index != -1) {
+        applyMeanMetallicRoughness(file, pbr.metallicRoughnessTexture.index, where, known, params);
+    }
     noteUnsupported(file, source);
     return material;
 }
@@ -285,7 +333,7 @@ Material loadMaterial(File& file, size_t index, TextureIndex& known, Scene& scen
 }  // namespace
 
 void loadMaterials(File& file, Scene& scene) {
-    TextureIndex known;
+    KnownImages known;
     for (size_t i = 0; i < file.model.materials.size(); ++i) {
         scene.materials.push_back(loadMaterial(file, i, known, scene));
     }
