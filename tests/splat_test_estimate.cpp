@@ -20,8 +20,8 @@ struct Judged {
 
 // An image of the irradiance `light` as records tell it that gather `gathered`.
 Judged judge(const PlacementParams& params, const std::function<float(const vec3&)>& light,
-             const std::function<float(const vec3&)>& gathered) {
-    const Stage stage = makeStage(0, 0);
+             const std::function<float(const vec3&)>& gathered,
+             const Stage& stage = makeStage(0, 0)) {
     const PixelLobes lobes = buildLobes(stage.gbuffer, stage.classes);
     const Placement placement =
         place(stage, params, [&](const RecordSite& site, GatheredRecord& g) {
@@ -32,6 +32,7 @@ Judged judge(const PlacementParams& params, const std::function<float(const vec3
     Image<vec3> image(kWidth, kHeight);
     double squares = 0.0;
     double sum = 0.0;
+    int seen = 0;
     for (int i = 0; i < kWidth * kHeight; ++i) {
         const auto pixel = static_cast<size_t>(i);
         if (!stage.gbuffer.seen(i)) {
@@ -42,10 +43,11 @@ Judged judge(const PlacementParams& params, const std::function<float(const vec3
         const double truth = light(vec3(stage.gbuffer.position.pixels[pixel]));
         squares += std::pow(image.pixels[pixel].x - truth, 2);
         sum += truth;
+        ++seen;
     }
     return {.estimated = estimateRelRmse(stage.gbuffer, stage.classes, lobes, placement,
                                          params.servingWeight(), image),
-            .actual = std::sqrt(squares * kWidth * kHeight) / sum};
+            .actual = std::sqrt(squares * seen) / sum};
 }
 
 // Short reaches: many records.
@@ -83,12 +85,59 @@ TEST(Estimate, TracksTheErrorBetweenRecords) {
     }
 }
 
+void hide(Stage& stage, int x, int y) {
+    stage.gbuffer.position.at(x, y).w = 0.0f;
+    stage.classes.orders.at(x, y) = kNoOrder;
+}
+
+TEST(Estimate, PixelsThatSeeNothingDoNotCount) {
+    Stage stage = makeStage(0, 0);
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = kWidth / 8; x < kWidth; ++x) {
+            hide(stage, x, y);
+        }
+    }
+    Random random(3);
+    const Judged j = judge(
+        shortReach(), [](const vec3&) { return 1.0f; },
+        [&](const vec3&) { return 1.0f + random.uniform(-0.1f, 0.1f); }, stage);
+    EXPECT_LT(j.estimated, kFactor * j.actual);
+    EXPECT_GT(j.estimated, j.actual / kFactor);
+}
+
+// One record of twenty is twice too bright; bright pixels stand alone, each right by its own
+// record.
+TEST(Estimate, WhatFewGetWrongIsNotExpectedOfRecordsThatNoneReaches) {
+    Stage stage = makeStage(0, 0);
+    const auto alone = [](int x, int y) { return x % 6 == 5 && y % 6 == 0; };
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = kWidth / 2; x < kWidth; ++x) {
+            if (!alone(x, y)) {
+                hide(stage, x, y);
+            }
+        }
+    }
+    PlacementParams params = shortReach();
+    params.max_pixels = 2.0f;
+    const auto light = [&](const vec3& p) { return p.x > 0.0f ? 50.0f : 1.0f; };
+    int gathered = 0;
+    const Judged j = judge(
+        params, light,
+        [&](const vec3& p) {
+            const bool wrong = p.x < 0.0f && ++gathered % 20 == 0;
+            return light(p) * (wrong ? 2.0f : 1.0f);
+        },
+        stage);
+    // Whoever lies beside a wrong record is judged by it: more than what the patch alone leaves.
+    EXPECT_LT(j.estimated, 2.0 * j.actual);
+    EXPECT_GT(j.estimated, j.actual / kFactor);
+}
+
 TEST(Estimate, NothingIsKnownWhereNoRecordServesAnother) {
     Stage stage = makeStage(0, 0);
     constexpr int kPixel = kWidth * kHeight - 1;
     for (int i = 0; i < kPixel; ++i) {
-        stage.gbuffer.position.pixels[static_cast<size_t>(i)].w = 0.0f;
-        stage.classes.orders.pixels[static_cast<size_t>(i)] = kNoOrder;
+        hide(stage, i % kWidth, i / kWidth);
     }
     ASSERT_TRUE(stage.gbuffer.seen(kPixel));
     const PixelLobes lobes = buildLobes(stage.gbuffer, stage.classes);
