@@ -92,6 +92,12 @@ TEST(AutoExposure, ignoresBlackAndNonFinitePixels) {
     EXPECT_EQ(autoExposure(Image<vec3>()), 0.0f);
 }
 
+TEST(AutoExposure, deepShadowsDoNotBurnOutTheRest) {
+    Image<vec3> image(2, 1, vec3(0.32f));
+    image.at(1, 0) = vec3(1e-6f);  // counts as 0.16 / 16
+    EXPECT_NEAR(autoExposure(image), std::log2(0.18f / std::sqrt(0.32f * 0.01f)), 1e-4f);
+}
+
 TEST(DisplayImage, exposureIsInStops) {
     const Image<vec3> image(1, 1, vec3(0.1f));
     const Image<vec3> twice(1, 1, vec3(0.2f));

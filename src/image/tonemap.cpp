@@ -8,7 +8,9 @@ namespace sheen {
 namespace {
 
 constexpr float kMiddleGrey = 0.18f;
-constexpr double kDarkestShare = 1e-4;  // of the mean luminance
+// Of the mean luminance. What lies in the dark of an object alone in space is lit by a thousandth
+// of the rest: counted as it is, it would burn out all else.
+constexpr double kDarkestShare = 1.0 / 16.0;
 // Beyond this exponent 2^EV times any luminance of interest leaves float's range.
 constexpr float kMaxStops = 100.0f;
 constexpr float kSurelyWhite = 1e30f;
@@ -41,7 +43,7 @@ float autoExposure(const Image<vec3>& image) {
     if (luminances.empty()) {
         return 0.0f;
     }
-    // The paper's delta, which keeps nearly black pixels from deciding, relative to the image.
+    // The paper's delta, which keeps dark pixels from deciding, relative to the image.
     const double count = static_cast<double>(luminances.size());
     const double floor = kDarkestShare * sum / count;
     double sum_log2 = 0.0;

@@ -17,8 +17,8 @@ namespace sheen {
 
 /// Exposure in stops that brings the log-average luminance of `image` to the middle grey 0.18
 /// [Reinhard02, eq. 1-2; the paper's 1/N belongs inside the exponential]. Pixels that are black,
-/// negative or not finite do not count; 0 where none is left. Scaling the image by 2^k lowers the
-/// result by k.
+/// negative or not finite do not count; darker ones than a sixteenth of the others' mean count as
+/// that. 0 where none is left. Scaling the image by 2^k lowers the result by k.
 float autoExposure(const Image<vec3>& image);
 
 /// [KhronosNeutral]: linear Rec. 709 radiance, exposed, to linear Rec. 709 in [0, 1]. Negative
