@@ -344,6 +344,8 @@ TEST(SceneLoader, SceneThatWouldBeBlackGetsASunAndSaysSo) {
     EXPECT_TRUE(warnsOf(dark, "no light and nothing that emits"));
 
     file.json["materials"] = Json::array({{{"emissiveFactor", {0, 0.1, 0}}}});
+    EXPECT_EQ(file.load().lights.size(), 1u) << "nothing is made of it";
+    file.json["meshes"][0]["primitives"][0]["material"] = 0;
     const Scene glowing = file.load();
     EXPECT_TRUE(glowing.lights.empty());
     EXPECT_FALSE(warnsOf(glowing, "no light"));

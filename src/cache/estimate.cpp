@@ -51,6 +51,10 @@ double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, cons
         const double own = outgoing(k, static_cast<size_t>(placement.pixels[k]));
         const double other = predicted[k] / weights[k];
         const double scale = std::max(std::abs(own), std::abs(other));
+        if (!std::isfinite(scale)) {
+            weights[k] = 0.0;  // more light than floats hold
+            continue;
+        }
         error2[k] = scale > 0.0 ? (own - other) * (own - other) / (scale * scale) : 0.0;
         known.push_back(error2[k]);
     }
