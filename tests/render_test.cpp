@@ -265,6 +265,27 @@ TEST(RenderFrame, ScalingTheSceneChangesNoPixel) {
 
 // ---- Hardly a scene -----------------------------------------------------------------------------
 
+TEST(RenderFrame, CoarseAccuraciesDoNotFillCreases) {
+    Scene scene = furnace(diffuseParams(vec3(0.5f)), vec3(1.0f));
+    for (int i = 0; i < 12; ++i) {  // steps too low to be seen but as creases
+        const float z = -0.9f + 0.15f * static_cast<float>(i);
+        addBox(scene, vec3(-1.0f, -1.01f, z), vec3(1.0f, -0.98f, z + 0.08f), 0, false);
+    }
+    const auto records = [&scene](float accuracy, float min_pixels) {
+        RenderParams params = smallRender(128, 128);
+        params.gather.size = 8;
+        params.placement.accuracy = accuracy;
+        params.placement.min_pixels = min_pixels;
+        const RenderResult result = renderFrame(scene, params);
+        expectSane(result, 128, 128);
+        return result.stats.records;
+    };
+    const float by_accuracy = RenderParams{}.placement.min_pixels;
+    EXPECT_EQ(records(1.0f, by_accuracy), records(1.0f, 1.0f));
+    EXPECT_EQ(records(2.0f, by_accuracy), records(2.0f, std::sqrt(2.0f)));
+    EXPECT_LT(records(2.0f, by_accuracy), 0.8f * records(2.0f, 1.0f));
+}
+
 TEST(RenderFrame, EmptySceneIsBlack) {
     Scene scene;
     scene.lights.push_back(pointLight(vec3(0), vec3(1)));

@@ -167,6 +167,10 @@ Placement placeWith(G gatherer, const Scene& scene, const Stage& stage,
     return placement;
 }
 
+// Along a crease each pixel gets a record of its own, however coarse the others are, until records
+// there reach farther than one pixel.
+float leastReach(float accuracy) { return std::max(1.0f, std::sqrt(accuracy)); }
+
 // placement, which gathers and projects -> splat -> compose.
 void renderPass(const Scene& scene, const RenderParams& params, float accuracy, Stage& stage,
                 RenderResult& result) {
@@ -174,6 +178,9 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
     const bool irradiance_only = params.method == Method::kIrradiance;
     PlacementParams how = params.placement;
     how.accuracy = accuracy;
+    if (how.min_pixels == 0.0f) {
+        how.min_pixels = leastReach(accuracy);
+    }
     HemisphereParams hemisphere = params.gather;
     if (hemisphere.size == 0) {
         hemisphere.size = gatherSize(params.gather_road, accuracy);

@@ -26,7 +26,7 @@ struct RenderParams {
     std::string camera;  ///< name or index; empty: the scene's first
     // The cached methods; of these the octree heeds the accuracy and, as rings of rays,
     // gather.size.
-    PlacementParams placement;
+    PlacementParams placement{.min_pixels = 0.0f};  ///< min_pixels 0: by the accuracy
     /// Above 0: the accuracy is lowered from 1, in several passes, until the image's error is
     /// estimated to be at most this; placement.accuracy is not used.
     double target_error = 0;
