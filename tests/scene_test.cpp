@@ -28,7 +28,7 @@ TEST(SceneLoader, ReadsATriangleWithFlatNormals) {
         EXPECT_VEC3(normal, 0, 0, 1);
     }
     EXPECT_VEC3(scene.bounds.upper, 1, 1, 0);
-    EXPECT_EQ(scene.warnings.size(), 1u) << "none but of the sun";
+    EXPECT_EQ(scene.warnings.size(), 2u) << "none but of the camera and the sun";
 }
 
 TEST(SceneLoader, PrimitiveWithoutMaterialGetsTheDefaultOne) {
@@ -233,7 +233,7 @@ TEST(SceneLoader, DecodesBaseColorTexturesToLinearLight) {
     EXPECT_VEC3(texture.texels[1], 1, 1, 1);
     EXPECT_NEAR(texture.texels[2].x, 0.2158605f, kRounding);  // sRGB 128 / 255
     EXPECT_VEC3(texture.texels[3], 1, 0, 0);
-    EXPECT_EQ(scene.warnings.size(), 1u) << "none but of the sun";
+    EXPECT_EQ(scene.warnings.size(), 2u) << "none but of the camera and the sun";
 }
 
 TEST(SceneLoader, MaterialsShareATexture) {
@@ -311,6 +311,7 @@ TEST(SceneLoader, CameraPosesAreRigid) {
         {{"name", "eye"}, {"camera", 0}, {"scale", {-2, 3, 4}}, {"translation", {0, 1, 5}}});
     const Scene scene = file.load();
     ASSERT_EQ(scene.cameras.size(), 1u);
+    EXPECT_FALSE(warnsOf(scene, "camera"));
     const Camera& camera = scene.cameras[0];
     EXPECT_EQ(camera.name, "eye");
     EXPECT_EQ(camera.aspect, 1.5f);
@@ -320,9 +321,10 @@ TEST(SceneLoader, CameraPosesAreRigid) {
     EXPECT_VEC3(vec3(camera.world_from_camera[3]), 0, 1, 5);
 }
 
-TEST(SceneLoader, SceneWithoutCamerasGetsOneThatSeesAllOfIt) {
+TEST(SceneLoader, SceneWithoutCamerasGetsOneThatSeesAllOfItAndSaysSo) {
     const Scene scene = oneTriangle().load();
     ASSERT_EQ(scene.cameras.size(), 1u);
+    EXPECT_TRUE(warnsOf(scene, "no perspective camera"));
     const mat4 camera_from_world = glm::inverse(scene.cameras[0].world_from_camera);
     const float tan_half = std::tan(0.5f * scene.cameras[0].y_fov);
     for (const vec3& p : scene.positions) {

@@ -302,6 +302,11 @@ Scene loadScene(const std::string& path) {
     }
     if (scene.cameras.empty()) {
         scene.cameras.push_back(gltf::framingCamera(scene.bounds));
+        if (!scene.triangles.empty()) {
+            file.notes.add(
+                "the scene has no perspective camera: seen from the front, all of it in view; "
+                "export it with a camera to see it from there");
+        }
     }
     scene.warnings = file.notes.lines();
     return scene;
