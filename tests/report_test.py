@@ -3,6 +3,7 @@
 file://, and uses it as a reader does: hovers, clicks, switches, drags. No console message, no request
 beyond the file. Of Debian: chromium, chromium-driver, python3-selenium."""
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -181,6 +182,43 @@ class Report(unittest.TestCase):
         self.assertEqual(notes[0].text, "")
         self.assertIn("2 points not drawn", notes[1].text)
 
+    def test_time_to_equal_error(self):
+        def table():
+            return [[cell.text for cell in row.find_elements(By.CSS_SELECTOR, "td, th")]
+                    for row in self.driver.find_elements(By.CSS_SELECTOR, "#equal-table tr")]
+
+        def enter(level):
+            self.id("level").clear()
+            self.id("level").send_keys(level)
+
+        # The room's radiance cache: 20% in 0.4 s, 5% in 1.1 s; 30% in 0.5 s is no point of its front.
+        enter("10")
+        self.assertEqual([row[1] for row in table()[1:]], [f"{0.4 * (1.1 / 0.4) ** 0.5:.3f} s", "20.0% at best", "35.0% at best"])
+        # It is better than 30% at once; the irradiance cache has 80% in 1.6 s, 20% in 4.4 s. In the
+        # other scene no point of the first is judged.
+        enter("30")
+        along = math.log(0.3 / 0.8) / math.log(0.2 / 0.8)
+        time = 1.6 * (4.4 / 1.6) ** along
+        self.assertEqual(table()[1:], [
+            ["radiance cache", "< 0.400 s", "–"],
+            ["irradiance cache", f"{time:.2f} s (> {time / 0.4:.2f}×)", f"{time:.2f} s"],
+            ["path tracer", "35.0% at best", "35.0% at best"]])
+        # The fastest has no ratio, the others have theirs over it; two bounds none.
+        enter("50")
+        self.assertEqual([row[2] for row in table()[1:]],
+                         ["–", f"{1.6 * 2.75 ** (math.log(0.5 / 0.8) / math.log(0.25)):.2f} s",
+                          f"{2.8 * 2.75 ** (math.log(0.5 / 1.4) / math.log(0.25)):.2f} s (2.63×)"])
+        enter("200")
+        self.assertEqual([row[1] for row in table()[1:]], ["< 0.400 s", "< 1.60 s", "< 2.80 s"])
+        # The error is the one that is chosen: tile_max is four times rel_rmse.
+        enter("40")
+        self.driver.find_element(By.CSS_SELECTOR, "input[value=tile_max]").click()
+        self.assertEqual(table()[1][1], f"{0.4 * (1.1 / 0.4) ** 0.5:.3f} s")
+        for nothing in ("0", "-1", ""):
+            enter(nothing)
+            self.assertEqual([row[1] for row in table()[1:]],
+                             ["20.0% at best", "80.0% at best", "140% at best"])
+
     def test_stages(self):
         stages = self.js("Chart.getChart('stages-canvas').data.datasets.map(set => [set.label, set.data[0]])")
         self.assertEqual([stage for stage, _ in stages], ["load", "gather", "other"])
@@ -210,7 +248,7 @@ class Report(unittest.TestCase):
         self.driver.get("about:blank")
         self.driver.get(self.url + "#charts")
         self.assertTrue(self.id("panels").is_displayed())
-        for part in ("inspector", "stages", "figures", "errors"):
+        for part in ("inspector", "equal", "stages", "figures", "errors"):
             self.assertFalse(self.id(part).is_displayed(), part)
 
 

@@ -10,7 +10,8 @@ const std::vector<SweepMethod>& sweepMethods() {
     // 0.4 is the program's default.
     static const std::vector<SweepSetting> kAccuracies = {
         {"2", 0.6}, {"1", 1}, {"0.6", 1.5}, {"0.4", 2.3}, {"0.25", 4.5}, {"0.12", 15}};
-    static const std::vector<SweepSetting> kPaths = {{"16", 1.5}, {"64", 4}, {"256", 25}};
+    static const std::vector<SweepSetting> kPaths = {
+        {"16", 1.5}, {"64", 4}, {"256", 25}, {"1024", 100}};
     static const std::vector<SweepMethod> kMethods = {
         {"radiance", "radiance cache", "--accuracy", kAccuracies},
         {"irradiance", "irradiance cache", "--accuracy", kAccuracies},

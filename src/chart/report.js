@@ -309,6 +309,59 @@ function moveDivider() {
   $('divider').style.left = at + '%';
 }
 
+// A method's own Pareto front, of points that the reference can judge.
+function frontOf(scene, method) {
+  const front = [];
+  const judged = scene.points.filter(
+      point => point.method === method.name && point.errors.judged && drawable(point, state.error));
+  for (const point of judged.sort((a, b) => a.seconds - b.seconds)) {
+    const last = front[front.length - 1];
+    if (!last || point.errors[state.error] < last.error) {
+      front.push({seconds: point.seconds, error: point.errors[state.error]});
+    }
+  }
+  return front;
+}
+
+// When a front reaches an error: on the straight line, in logarithms, between the two points around
+// it. `least`: the fastest point is better already. Null: none is as good.
+function timeTo(front, error) {
+  const next = front.findIndex(point => point.error <= error);
+  if (next < 0) return null;
+  if (next === 0) return {seconds: front[0].seconds, least: front[0].error < error};
+  const a = front[next - 1], b = front[next];
+  const along = Math.log(error / a.error) / Math.log(b.error / a.error);
+  return {seconds: a.seconds * (b.seconds / a.seconds) ** along, least: false};
+}
+
+function drawEqual() {
+  const error = $('level').valueAsNumber / 100;
+  const head = element('tr'), body = $('equal-table').querySelector('tbody');
+  head.append(element('th', 'method', 'text'), ...data.scenes.map(scene => element('th', scene.name)));
+  $('equal-table').querySelector('thead').replaceChildren(head);
+  const fronts = data.scenes.map(scene => data.methods.map(method => frontOf(scene, method)));
+  const times = fronts.map(ofScene => ofScene.map(front => error > 0 ? timeTo(front, error) : null));
+  body.replaceChildren(...data.methods.map((method, m) => {
+    const line = element('tr');
+    line.append(methodCell(method.name));
+    times.forEach((ofScene, s) => {
+      const fastest = ofScene.reduce((a, b) => a && (!b || a.seconds <= b.seconds) ? a : b, null);
+      const own = ofScene[m], best = fronts[s][m].at(-1);
+      if (!own) {
+        line.append(element('td', best ? `${percent(best.error)} at best` : '–', 'unreached'));
+        return;
+      }
+      const cell = element('td', (own.least ? '< ' : '') + seconds(own.seconds));
+      // Of a bound no ratio is known; over one of the fastest it is at least as great.
+      if (own !== fastest && !own.least) {
+        cell.append(` (${fastest.least ? '> ' : ''}${digits(own.seconds / fastest.seconds)}×)`);
+      }
+      line.append(cell);
+    });
+    return line;
+  }));
+}
+
 const STAGE_COLORS = {  // a stage keeps its colour; light to dark in the order they run
   load: '#8da0b3', gbuffer: '#7a6fb0', shadow: '#b07aa1', placement: '#e69f00', gather: '#0072b2',
   project: '#56b4e9', splat: '#009e73', compose: '#c9b800', trace: '#d55e00', write: '#7f6a55',
@@ -355,6 +408,15 @@ function drawStages() {
       },
     },
   });
+}
+
+// A method's name beside its colour.
+function methodCell(name) {
+  const cell = element('td', methodLabel(name), 'text');
+  const swatch = element('span', undefined, 'swatch');
+  swatch.style.background = `var(--method-${methodIndex.get(name) % SHAPES.length})`;
+  cell.prepend(swatch);
+  return cell;
 }
 
 const COLUMNS = [
@@ -406,15 +468,14 @@ function drawTable() {
   body.replaceChildren(...[...rows].sort(compare).map(row => {
     const line = element('tr');
     for (const column of COLUMNS) {
+      if (column.name === 'method') {
+        line.append(methodCell(row.point.method));
+        continue;
+      }
       const value = column.value(row);
       const shown = column.text ? value : (column.show || digits)(value);
       const cell = element('td', shown, column.text ? 'text' : '');
       if (column.error && !row.point.errors.judged) cell.className = 'unjudged';
-      if (column.name === 'method') {
-        const swatch = element('span', undefined, 'swatch');
-        swatch.style.background = `var(--method-${methodIndex.get(row.point.method) % SHAPES.length})`;
-        cell.prepend(swatch);
-      }
       line.append(cell);
     }
     if (row.s === state.scene) {
@@ -438,6 +499,7 @@ function draw() {
   $('error-meaning').textContent = MEANINGS[state.error];
   drawPanels();
   drawInspector();
+  drawEqual();
   drawStages();
   drawTable();
 }
@@ -461,6 +523,7 @@ for (const name of ['left', 'right']) {
 }
 $('swap').addEventListener('click', () => select(state.scene, state.right, state.left));
 $('split').addEventListener('input', moveDivider);
+$('level').addEventListener('input', drawEqual);
 // Canvases do not follow the style sheet by themselves.
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', draw);
 })();
