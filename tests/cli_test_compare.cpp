@@ -46,16 +46,16 @@ TEST_F(CliTest, chartWritesItsFiles) {
         "chart scene.gltf -o a/chart --methods reference --size 8x8 --reference-spp 32 --repeats 1";
     const Outcome run = call(command);
     ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(run.err.find("[3/3] scene, path tracer, spp 256"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("[4/4] scene, path tracer, spp 1024"), std::string::npos) << run.err;
     EXPECT_NE(run.out.find("wrote     a/chart/chart.html"), std::string::npos) << run.out;
     for (const char* name : {"chart.html", "chart.csv", "chart.json"}) {
         EXPECT_TRUE(fs::exists(folder_ / "a/chart" / name)) << name;
     }
     const Json json = Json::parse(textOf(file("a/chart/chart.json")));
-    EXPECT_EQ(json["scenes"][0]["points"].size(), 3u);
+    EXPECT_EQ(json["scenes"][0]["points"].size(), 4u);
     const Outcome again = call(command);
     EXPECT_EQ(again.code, 0);
-    EXPECT_EQ(again.err, "3 of 3 points were measured before\n");
+    EXPECT_EQ(again.err, "4 of 4 points were measured before\n");
     EXPECT_EQ(Json::parse(textOf(file("a/chart/chart.json"))), json);
 }
 
