@@ -121,7 +121,8 @@ void RasterGatherer::upload(Worker& w, std::span<const RecordSite> batch) const 
     std::vector<View> views;
     for (const RecordSite& site : batch) {
         const mat3 frame = tangentFrame(site.normal);
-        const vec3 eye = site.position + lift_ * (site.geometric_normal + site.toward_viewer);
+        const vec3 eye =
+            offSurface(site.position, site.geometric_normal, site.toward_viewer, lift_);
         for (const HemisphereFace& f : hemisphere_.faces) {
             views.push_back(
                 perspectiveView(eye, frame * f.right, frame * f.up, frame * f.forward, near_));

@@ -52,12 +52,9 @@ class RayCaster {
     /// k-th one's.
     uint32_t reached(const PunctualLight& light, std::span<const Receiver> receivers) const;
 
-    /// Where a ray starts that leaves a point of a surface, whose geometric normal n_g is on the
-    /// side of the unit direction `toward_viewer`, from where the point is seen (zero: from
-    /// nowhere). The step toward the viewer keeps the start on the viewer's side of a second
-    /// surface that touches the first one here.
+    /// Where a ray starts that leaves a point of a surface: offSurface().
     vec3 origin(const vec3& position, const vec3& n_g, const vec3& toward_viewer) const {
-        return position + offset_ * (n_g + toward_viewer);
+        return offSurface(position, n_g, toward_viewer, offset_);
     }
 
   private:

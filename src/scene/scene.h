@@ -84,6 +84,15 @@ MaterialParams materialAt(const Scene& scene, const Material& material, const ve
 /// anything visible.
 float surfaceOffset(const Scene& scene);
 
+/// Where it starts, by the scene's surfaceOffset(): at a point of a surface whose unit geometric
+/// normal n_g is on the side of the unit direction `toward_viewer`, from where the point is seen
+/// (zero: from nowhere). The step toward the viewer keeps the start on the viewer's side of a
+/// second surface that touches the first one here.
+inline vec3 offSurface(const vec3& position, const vec3& n_g, const vec3& toward_viewer,
+                       float offset) {
+    return position + offset * (n_g + toward_viewer);
+}
+
 /// Unit geometric normal by winding.
 vec3 geometricNormal(const Scene& scene, int triangle);
 
