@@ -195,19 +195,18 @@ class Report(unittest.TestCase):
         enter("10")
         self.assertEqual([row[1] for row in table()[1:]], [f"{0.4 * (1.1 / 0.4) ** 0.5:.3f} s", "20.0% at best", "35.0% at best"])
         # It is better than 30% at once; the irradiance cache has 80% in 1.6 s, 20% in 4.4 s. In the
-        # other scene no point of the first is judged.
+        # other scene the radiance cache has no error in 0.4 s.
         enter("30")
         along = math.log(0.3 / 0.8) / math.log(0.2 / 0.8)
         time = 1.6 * (4.4 / 1.6) ** along
         self.assertEqual(table()[1:], [
-            ["radiance cache", "< 0.400 s", "–"],
-            ["irradiance cache", f"{time:.2f} s (> {time / 0.4:.2f}×)", f"{time:.2f} s"],
+            ["radiance cache", "< 0.400 s", "< 0.400 s"],
+            ["irradiance cache"] + [f"{time:.2f} s (> {time / 0.4:.2f}×)"] * 2,
             ["path tracer", "35.0% at best", "35.0% at best"]])
-        # The fastest has no ratio, the others have theirs over it; two bounds none.
-        enter("50")
-        self.assertEqual([row[2] for row in table()[1:]],
-                         ["–", f"{1.6 * 2.75 ** (math.log(0.5 / 0.8) / math.log(0.25)):.2f} s",
-                          f"{2.8 * 2.75 ** (math.log(0.5 / 1.4) / math.log(0.25)):.2f} s (2.63×)"])
+        # The error of a point itself is no bound: the fastest has no ratio, the others have theirs
+        # over it; two bounds have none.
+        enter("20")
+        self.assertEqual([row[1] for row in table()[1:]], ["0.400 s", "4.40 s (11.0×)", "35.0% at best"])
         enter("200")
         self.assertEqual([row[1] for row in table()[1:]], ["< 0.400 s", "< 1.60 s", "< 2.80 s"])
         # The error is the one that is chosen: tile_max is four times rel_rmse.
@@ -218,6 +217,11 @@ class Report(unittest.TestCase):
             enter(nothing)
             self.assertEqual([row[1] for row in table()[1:]],
                              ["20.0% at best", "80.0% at best", "140% at best"])
+        # Of the other scene's radiance cache a point is not judged; of the median it has 10% and 2.5%.
+        self.driver.find_element(By.CSS_SELECTOR, "input[value=median]").click()
+        enter("1")
+        self.assertEqual([row[2] for row in table()[1:]],
+                         ["not judged below 2.50%", "10.0% at best", "17.5% at best"])
 
     def test_stages(self):
         stages = self.js("Chart.getChart('stages-canvas').data.datasets.map(set => [set.label, set.data[0]])")

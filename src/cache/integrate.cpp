@@ -180,7 +180,6 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
     vec3 moment_y(0.0f);
     float inverse_sum = 0.0f;
     float solid_angle_sum = 0.0f;
-    float nearest = 0.0f;
     for (size_t t = 0; t < count; ++t) {
         const vec3 radiance(texels[t]);
         inverse_distance[t] = texels[t].w > 0.0f ? 1.0f / texels[t].w : 0.0f;
@@ -189,7 +188,6 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
         moment_y += h.moments[t].y * radiance;
         inverse_sum += h.solid_angles[t] * inverse_distance[t];
         solid_angle_sum += h.solid_angles[t];
-        nearest = std::max(nearest, inverse_distance[t]);
     }
     const bool glossy = site.order > shared::DIFFUSE_ORDER;
     const TranslationGradient gradient = translationGradient(h, seen, inverse_distance, glossy);
@@ -210,7 +208,6 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
             frame[0] * gradient.cosine_gradient[0][c] + frame[1] * gradient.cosine_gradient[1][c];
     }
     result.curvature = greatestCurvature(gradient.cosine_hessian);
-    result.min_distance = nearest > 0.0f ? 1.0f / nearest : kInfinity;
     if (glossy) {
         result.sh = projectSh(h, texels, gradient, projection, site.order, frame);
     }

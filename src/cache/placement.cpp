@@ -449,7 +449,8 @@ Placement Placer::run(bool quiet) {
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
                        const PixelLobes& lobes, const PlacementParams& params,
                        const GatherFunction& gather, bool quiet) {
-    SHEEN_CHECK(params.min_pixels >= 1.0f);
+    SHEEN_CHECK(params.accuracy > 0.0f && params.batch >= 1 && params.coarsest_stride >= 1);
+    SHEEN_CHECK(params.min_pixels >= 1.0f && params.max_pixels >= params.min_pixels);
     return Placer(scene, gbuffer, classes, lobes, params, gather).run(quiet);
 }
 

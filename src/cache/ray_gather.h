@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cache/gather.h"
+#include "core/error.h"
 #include "rays/light_cells.h"
 #include "rays/ray_caster.h"
 
@@ -22,8 +23,12 @@ int sideForReach(int usual, float reach);
 /// take depends on how many records were gathered before. The caster and the cells must outlive it.
 class RayGatherer {
   public:
+    /// A hemicube alone: rays go through a face's texels, and a border's stand for what lies
+    /// beyond.
     RayGatherer(const RayCaster& rays, const LightCells& cells, const HemisphereParams& params)
-        : rays_(rays), cells_(cells), params_(params) {}
+        : rays_(rays), cells_(cells), params_(params) {
+        SHEEN_CHECK(params.kind == HemisphereKind::kHemicube);
+    }
 
     /// One result a site, in order.
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites);

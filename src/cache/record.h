@@ -65,7 +65,6 @@ struct GatheredRecord {
     std::vector<float> sh;  ///< ShLayout; empty for a diffuse record
     /// Greatest second derivative, in magnitude, of the irradiance's luminance along the surface.
     float curvature = 0;
-    float min_distance = 0;                ///< to the nearest surface seen; infinite if nothing was
     std::vector<Contrast> contrasts = {};  ///< the strongest, for records to come
 };
 

@@ -22,9 +22,9 @@ struct ChartParams {
     int width = 512;
     int height = 512;
     std::vector<SweepMethod> methods = sweepMethods();
-    int reference_spp = 1024;
-    int repeats = 3;         ///< warm runs of a point that takes less than kEnoughSeconds / repeats
-    bool any_build = false;  ///< also use points that another build of the program measured
+    int reference_spp = 4096;  ///< more than any method sweeps, whose noise would be as great
+    int repeats = 3;           ///< warm runs of a point; no more start after kEnoughSeconds
+    bool any_build = false;    ///< also use points that another build of the program measured
 };
 
 /// A point is run no more once its warm runs have taken this long in all: long runs vary little.
@@ -49,7 +49,7 @@ struct Measurement {
     /// The first run ever, with Mesa's shader cache empty; negative where it was not measured:
     /// it is for each method's first setting, since shaders do not depend on the setting.
     double cold_seconds = -1;
-    /// Of the median run, in the order they ran; "other" is start-up, exit and what no stage
+    /// Of the median run, in the order they ran, and last "other": start-up, exit and what no stage
     /// counts.
     std::vector<std::pair<std::string, double>> stages;
     int records = 0;          ///< 0 for a method without

@@ -113,10 +113,10 @@ int plannedRuns(double seconds, int repeats) {
     return static_cast<int>(std::clamp(enough, 1.0, static_cast<double>(repeats)));
 }
 
-bool isReadable(const fs::path& exr, int width, int height) {
+bool isReadable(const fs::path& exr, int width, int height, const std::string& layer) {
     try {
         const LoadedExr image = readExr(exr.string());
-        colorLayer(image, "indirect");
+        colorLayer(image, layer);
         return image.width == width && image.height == height && !image.primitive.empty();
     } catch (const Error&) {
         return false;
@@ -192,8 +192,7 @@ class Sweep {
         return fileNamePart(fs::path(scenes_[scene].file).stem().string());
     }
 
-    // Takes the stored reference, or renders it. The file's name tells what it shows, and its
-    // variance that it is one.
+    // Takes the stored reference, or renders it. The file's name tells what it shows.
     void findReference(size_t s) {
         ChartScene& scene = scenes_[s];
         RenderParams params;
@@ -212,7 +211,8 @@ class Sweep {
         scene.reference_file = fs::relative(exr, root_).string();
         const std::optional<std::string> text = readText(json.string());
         const std::optional<StoredPoint> stored = text ? parsePoint(*text) : std::nullopt;
-        if (stored && sameImage(stored->key, key) && isReadable(exr, params.width, params.height)) {
+        if (stored && sameImage(stored->key, key) &&
+            isReadable(exr, params.width, params.height, "variance")) {
             scene.reference_seconds = stored->measured.seconds;
             return;
         }
@@ -258,7 +258,8 @@ class Sweep {
             return std::nullopt;
         }
         std::optional<StoredPoint> point = parsePoint(*text);
-        if (!point || !isReadable(task.file.string() + ".exr", params_.width, params_.height)) {
+        if (!point ||
+            !isReadable(task.file.string() + ".exr", params_.width, params_.height, "indirect")) {
             warn(fmt::format("{}: damaged; measuring this point again", json));
             return std::nullopt;
         }

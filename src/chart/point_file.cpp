@@ -135,7 +135,7 @@ std::string fileNamePart(const std::string& name) {
 }
 
 std::string shortHash(const ImageKey& key) {
-    const std::string text = jsonFromKey(key).dump();
+    const std::string text = jsonFromKey(key).dump(-1, ' ', false, Json::error_handler_t::replace);
     Hash hash;
     hash.add(text.data(), text.size());
     return hash.text().substr(0, 12);

@@ -141,7 +141,7 @@ std::string csvText(const std::string& text) {
 
 std::string csvNumber(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
-// All stages of the chart, each once, in the order they run.
+// All stages of the chart, each once, in the order they first come.
 std::vector<std::string> stageNames(const Chart& chart) {
     std::vector<std::string> names;
     for (const ChartScene& scene : chart.scenes) {

@@ -11,16 +11,23 @@ const MEANINGS = {
   median: 'of the pixels’ relative errors, the reference’s noise included',
   tile_max: 'rel_rmse of the worst tile of 16 × 16 pixels, noise taken off',
 };
-const SHAPES = ['circle', 'rect', 'triangle', 'rectRot', 'star', 'crossRot'];
+// Closed, so that they can be hollow.
+const SHAPES = ['circle', 'rect', 'triangle', 'rectRot', 'triangleDown'];
 const REFERENCE = -1;  // in place of a point's index
 const still = location.hash === '#charts';  // the charts alone, to take a picture of
 
 const methodIndex = new Map(data.methods.map((method, i) => [method.name, i]));
 const methodColor = name => color('--method-' + methodIndex.get(name) % SHAPES.length);
 const methodShape = name => SHAPES[methodIndex.get(name) % SHAPES.length];
+const pointShape = name => ({
+  pointStyle: methodShape(name).replace('Down', ''),
+  pointRotation: methodShape(name).endsWith('Down') ? 180 : 0,
+});
 const methodLabel = name => data.methods[methodIndex.get(name)].label;
 
-const state = {error: 'rel_rmse', scene: 0, left: REFERENCE, right: 0};
+// A browser that loads the page again may keep what was chosen.
+const state = {error: document.querySelector('input[name=error]:checked').value, scene: 0,
+               left: REFERENCE, right: 0};
 const panels = [];  // {chart, element} [scene]
 let stagesChart = null;
 
@@ -52,7 +59,8 @@ function writeCaption() {
       builds.add(`${point.version} (build ${point.build.slice(0, 8)})`);
     }
   }
-  const runs = data.repeats > 1 ? `the median of up to ${data.repeats} runs` : 'one run';
+  const most = Math.max(...data.scenes.flatMap(scene => scene.points.map(point => point.runs.length)));
+  const runs = most > 1 ? `the median of up to ${most} runs` : 'one run';
   const noises = data.scenes.map(scene => `${scene.name} ${percent(scene.reference.noise_rel_rmse)}`);
   $('caption').textContent =
       `Measured by sheen ${[...builds].join(', ')} at ${data.size[0]} × ${data.size[1]} pixels on ` +
@@ -79,7 +87,7 @@ function writeLegend() {
   const SHAPE_PATHS = {
     circle: 'M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0', rect: 'M-4.5 -4.5h9v9h-9z',
     triangle: 'M0 -5.5L5.5 4.5H-5.5Z', rectRot: 'M0 -5.5L5.5 0L0 5.5L-5.5 0Z',
-    star: 'M-5 0H5M0 -5V5M-4 -4L4 4M-4 4L4 -4', crossRot: 'M-4 -4L4 4M-4 4L4 -4'};
+    triangleDown: 'M0 5.5L5.5 -4.5H-5.5Z'};
   const list = $('legend');
   list.replaceChildren();
   const add = (svg, text) => {
@@ -133,7 +141,7 @@ function datasets(scene, sceneIndex) {
       label: method.label, order: 1, indices,
       data: indices.map(i => ({x: scene.points[i].seconds, y: 100 * scene.points[i].errors[state.error]})),
       borderColor: paint, borderWidth: 1.5, showLine: true,
-      pointStyle: methodShape(method.name),
+      ...pointShape(method.name),
       pointBackgroundColor: indices.map(
           i => scene.points[i].errors.judged ? paint : color('--panel')),
       pointBorderColor: paint,
@@ -309,29 +317,38 @@ function moveDivider() {
   $('divider').style.left = at + '%';
 }
 
-// A method's own Pareto front, of points that the reference can judge.
-function frontOf(scene, method) {
-  const front = [];
-  const judged = scene.points.filter(
-      point => point.method === method.name && point.errors.judged && drawable(point, state.error));
-  for (const point of judged.sort((a, b) => a.seconds - b.seconds)) {
-    const last = front[front.length - 1];
-    if (!last || point.errors[state.error] < last.error) {
-      front.push({seconds: point.seconds, error: point.errors[state.error]});
-    }
+// The points, of those that the reference can judge, at which a method gets better than by any that
+// is as fast.
+function bestOf(scene, method) {
+  const best = [];
+  const judged = scene.points
+      .filter(point => point.method === method && point.errors.judged && point.errors[state.error] !== null)
+      .map(point => ({seconds: point.seconds, error: point.errors[state.error]}));
+  for (const point of judged.sort((a, b) => a.seconds - b.seconds || a.error - b.error)) {
+    if (!best.length || point.error < best.at(-1).error) best.push(point);
   }
-  return front;
+  return best;
 }
 
-// When a front reaches an error: on the straight line, in logarithms, between the two points around
-// it. `least`: the fastest point is better already. Null: none is as good.
-function timeTo(front, error) {
-  const next = front.findIndex(point => point.error <= error);
+// When such points reach an error: on the straight line, in logarithms, between the two around it.
+// `bound`: at the latest; the fastest point is better already, or the line would end at no error.
+// Null: none is as good.
+function timeTo(best, error) {
+  const next = best.findIndex(point => point.error <= error);
   if (next < 0) return null;
-  if (next === 0) return {seconds: front[0].seconds, least: front[0].error < error};
-  const a = front[next - 1], b = front[next];
+  const a = best[next - 1], b = best[next];
+  if (b.error === error) return {seconds: b.seconds, bound: false};
+  if (!a || b.error === 0) return {seconds: b.seconds, bound: true};
   const along = Math.log(error / a.error) / Math.log(b.error / a.error);
-  return {seconds: a.seconds * (b.seconds / a.seconds) ** along, least: false};
+  return {seconds: a.seconds * (b.seconds / a.seconds) ** along, bound: false};
+}
+
+// What is known where a method does not reach an error: points that cannot be judged may have.
+function unreached(scene, method, best) {
+  const open = scene.points.some(point => point.method === method && !point.errors.judged);
+  if (!best.length) return open ? 'not judged' : '–';
+  const least = percent(best.at(-1).error);
+  return open ? `not judged below ${least}` : `${least} at best`;
 }
 
 function drawEqual() {
@@ -339,22 +356,24 @@ function drawEqual() {
   const head = element('tr'), body = $('equal-table').querySelector('tbody');
   head.append(element('th', 'method', 'text'), ...data.scenes.map(scene => element('th', scene.name)));
   $('equal-table').querySelector('thead').replaceChildren(head);
-  const fronts = data.scenes.map(scene => data.methods.map(method => frontOf(scene, method)));
-  const times = fronts.map(ofScene => ofScene.map(front => error > 0 ? timeTo(front, error) : null));
+  const best = data.scenes.map(scene => data.methods.map(method => bestOf(scene, method.name)));
+  const times = best.map(ofScene => ofScene.map(points => error > 0 ? timeTo(points, error) : null));
   body.replaceChildren(...data.methods.map((method, m) => {
     const line = element('tr');
     line.append(methodCell(method.name));
     times.forEach((ofScene, s) => {
-      const fastest = ofScene.reduce((a, b) => a && (!b || a.seconds <= b.seconds) ? a : b, null);
-      const own = ofScene[m], best = fronts[s][m].at(-1);
+      const own = ofScene[m];
       if (!own) {
-        line.append(element('td', best ? `${percent(best.error)} at best` : '–', 'unreached'));
+        line.append(element('td', unreached(data.scenes[s], method.name, best[s][m]), 'unreached'));
         return;
       }
-      const cell = element('td', (own.least ? '< ' : '') + seconds(own.seconds));
-      // Of a bound no ratio is known; over one of the fastest it is at least as great.
-      if (own !== fastest && !own.least) {
-        cell.append(` (${fastest.least ? '> ' : ''}${digits(own.seconds / fastest.seconds)}×)`);
+      const cell = element('td', (own.bound ? '< ' : '') + seconds(own.seconds));
+      // Of a bound no ratio is known. Whatever has one may be the fastest, and faster than it says:
+      // then ratios are at least as great.
+      const fastest = Math.min(...ofScene.filter(time => time).map(time => time.seconds));
+      const open = ofScene.some(time => time?.bound);
+      if (own.seconds > fastest && !own.bound) {
+        cell.append(` (${open ? '> ' : ''}${digits(own.seconds / fastest)}×)`);
       }
       line.append(cell);
     });

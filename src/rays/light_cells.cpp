@@ -148,7 +148,7 @@ LightCells::LitTriangle LightCells::light(const RayCaster& rays, uint32_t index,
     const Triangle triangle(scene, index);
     const Grid grid{n};
     const float edge = triangle.longestEdge() / static_cast<float>(n);
-    const vec3 front = glm::normalize(glm::cross(triangle.e1, triangle.e2));
+    const vec3 front = geometricNormal(scene, static_cast<int>(index));
     const Material& material = scene.materials[scene.materials_of[index]];
     const bool lambertian = isLambertian(material.params);
     const size_t light_count = std::min(scene.lights.size(), kOtherLights);
