@@ -1,5 +1,5 @@
-// Threads that own one OpenGL context each: while one context rasterises, the others transform
-// vertices and read back. Contexts share buffers and textures, while programs, vertex arrays and
+// Threads that own one OpenGL context each. Drawing at the same time they keep in step: see
+// DrawingPhases. Contexts share buffers and textures, while programs, vertex arrays and
 // framebuffers belong to one worker. All OpenGL of the project runs inside run().
 #pragma once
 
