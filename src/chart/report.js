@@ -11,18 +11,21 @@ const MEANINGS = {
   median: 'of the pixels’ relative errors, the reference’s noise included',
   tile_max: 'rel_rmse of the worst tile of 16 × 16 pixels, noise taken off',
 };
-// Closed, so that they can be hollow.
-const SHAPES = ['circle', 'rect', 'triangle', 'rectRot', 'triangleDown'];
+// Of methods, in the charts and as the legend draws them. Closed, so that they can be hollow.
+const SHAPES = [
+  {style: 'circle', path: 'M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0'},
+  {style: 'rect', path: 'M-4.5 -4.5h9v9h-9z'},
+  {style: 'triangle', path: 'M0 -5.5L5.5 4.5H-5.5Z'},
+  {style: 'rectRot', path: 'M0 -5.5L5.5 0L0 5.5L-5.5 0Z'},
+  {style: 'triangle', rotation: 180, path: 'M0 5.5L5.5 -4.5H-5.5Z'},
+];
 const REFERENCE = -1;  // in place of a point's index
 const still = location.hash === '#charts';  // the charts alone, to take a picture of
 
 const methodIndex = new Map(data.methods.map((method, i) => [method.name, i]));
-const methodColor = name => color('--method-' + methodIndex.get(name) % SHAPES.length);
+const methodVariable = name => '--method-' + methodIndex.get(name) % SHAPES.length;
+const methodColor = name => color(methodVariable(name));
 const methodShape = name => SHAPES[methodIndex.get(name) % SHAPES.length];
-const pointShape = name => ({
-  pointStyle: methodShape(name).replace('Down', ''),
-  pointRotation: methodShape(name).endsWith('Down') ? 180 : 0,
-});
 const methodLabel = name => data.methods[methodIndex.get(name)].label;
 
 // A browser that loads the page again may keep what was chosen.
@@ -84,10 +87,6 @@ function writeLegend() {
     svg.append(path);
     return svg;
   };
-  const SHAPE_PATHS = {
-    circle: 'M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0', rect: 'M-4.5 -4.5h9v9h-9z',
-    triangle: 'M0 -5.5L5.5 4.5H-5.5Z', rectRot: 'M0 -5.5L5.5 0L0 5.5L-5.5 0Z',
-    triangleDown: 'M0 5.5L5.5 -4.5H-5.5Z'};
   const list = $('legend');
   list.replaceChildren();
   const add = (svg, text) => {
@@ -96,12 +95,11 @@ function writeLegend() {
     list.append(item);
   };
   for (const method of data.methods) {
-    const paint = `fill:var(--method-${methodIndex.get(method.name) % SHAPES.length});` +
-                  `stroke:var(--method-${methodIndex.get(method.name) % SHAPES.length});stroke-width:1.5`;
-    add(mark(SHAPE_PATHS[methodShape(method.name)], paint), method.label);
+    const paint = `var(${methodVariable(method.name)})`;
+    add(mark(methodShape(method.name).path, `fill:${paint};stroke:${paint};stroke-width:1.5`), method.label);
   }
   add(mark('M-11 -5H0V5H11', 'fill:none;stroke:var(--front);stroke-width:3'), 'Pareto front');
-  add(mark(SHAPE_PATHS.circle, 'fill:none;stroke:var(--faint);stroke-width:1.5'),
+  add(mark(SHAPES[0].path, 'fill:none;stroke:var(--faint);stroke-width:1.5'),
       'hollow: error is mostly the reference’s noise; not on the front');
   add(mark('M-11 0H11', 'fill:none;stroke:var(--faint);stroke-width:1.5;stroke-dasharray:2 3'),
       'the reference’s own noise (rel_rmse)');
@@ -141,7 +139,8 @@ function datasets(scene, sceneIndex) {
       label: method.label, order: 1, indices,
       data: indices.map(i => ({x: scene.points[i].seconds, y: 100 * scene.points[i].errors[state.error]})),
       borderColor: paint, borderWidth: 1.5, showLine: true,
-      ...pointShape(method.name),
+      pointStyle: methodShape(method.name).style,
+      pointRotation: methodShape(method.name).rotation || 0,
       pointBackgroundColor: indices.map(
           i => scene.points[i].errors.judged ? paint : color('--panel')),
       pointBorderColor: paint,
@@ -433,7 +432,7 @@ function drawStages() {
 function methodCell(name) {
   const cell = element('td', methodLabel(name), 'text');
   const swatch = element('span', undefined, 'swatch');
-  swatch.style.background = `var(--method-${methodIndex.get(name) % SHAPES.length})`;
+  swatch.style.background = `var(${methodVariable(name)})`;
   cell.prepend(swatch);
   return cell;
 }
