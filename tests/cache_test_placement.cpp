@@ -31,14 +31,14 @@ TEST(Placement, TheSameBitsEveryTime) {
     expectSame(place(stage, {}, wavy), place(stage, {}, wavy));
 }
 
-TEST(Placement, ManyBatchesNeedNotManyMoreRecordsThanTheScan) {
+// In light that is the same everywhere; see Batches in render_test_batches.cpp for real light.
+TEST(Placement, BatchesNeedNoMoreRecordsThanTheScan) {
     const Stage stage = makeStage(0, 0);
     PlacementParams linear;
     linear.batch = 1;
     linear.coarsest_stride = 1;
-    const size_t scan = place(stage, linear).cache.records.size();
-    // Predictions are wrong where nothing is placed yet, and coarse grids spread records evenly.
-    EXPECT_LT(place(stage, {}).cache.records.size(), 3 * scan);
+    // Predictions are wrong where nothing is placed yet, but coarse grids spread records evenly.
+    EXPECT_LE(place(stage, {}).cache.records.size(), place(stage, linear).cache.records.size());
 }
 
 TEST(Placement, NothingSeenNothingPlaced) {

@@ -42,27 +42,34 @@ TEST(ParetoFront, ignoresWhatIsNotMeasured) {
 
 TEST(SecondsLeft, unknownUntilSomethingIsDone) {
     const SweepJob jobs[] = {{.scene = 0, .cost = 1}, {.scene = 1, .cost = 2}};
-    EXPECT_LT(secondsLeft(jobs, 3), 0);
-    EXPECT_LT(secondsLeft({}, 3), 0);
+    EXPECT_LT(secondsLeft(jobs), 0);
+    EXPECT_LT(secondsLeft({}), 0);
 }
 
 TEST(SecondsLeft, scalesCostsByTheSameScene) {
-    const SweepJob jobs[] = {{.scene = 0, .cost = 1, .seconds = 2},
-                             {.scene = 0, .cost = 3},
-                             {.scene = 1, .cost = 1, .seconds = 10},
-                             {.scene = 1, .cost = 2},
-                             {.scene = 2, .cost = 1}};
+    const SweepJob jobs[] = {{.scene = 0, .cost = 1, .seconds = 2, .repeats = 3},
+                             {.scene = 0, .cost = 3, .repeats = 3},
+                             {.scene = 1, .cost = 1, .seconds = 10, .repeats = 3},
+                             {.scene = 1, .cost = 2, .repeats = 3},
+                             {.scene = 2, .cost = 1, .repeats = 3}};
     // 3 runs of 6 s and of 20 s; the last scene knows only the mean of the others, 6 s.
-    EXPECT_NEAR(secondsLeft(jobs, 3), 18 + 60 + 18, 1e-9);
+    EXPECT_NEAR(secondsLeft(jobs), 18 + 60 + 18, 1e-9);
+}
+
+TEST(SecondsLeft, countsReferencesAndTheirOneRun) {
+    const SweepJob jobs[] = {{.scene = 0, .cost = 10, .seconds = 20},  // references
+                             {.scene = 1, .cost = 10},
+                             {.scene = 0, .cost = 2, .repeats = 5}};
+    EXPECT_NEAR(secondsLeft(jobs), 20 + 5 * 4, 1e-9);
 }
 
 TEST(SecondsLeft, longPointsRunLessOften) {
-    const SweepJob jobs[] = {{.scene = 0, .cost = 1, .seconds = 10},
-                             {.scene = 0, .cost = 4},    // 40 s: two runs make a minute
-                             {.scene = 0, .cost = 10}};  // 100 s: one does
-    EXPECT_NEAR(secondsLeft(jobs, 5), 80 + 100, 1e-9);
-    const SweepJob done[] = {{.scene = 0, .cost = 1, .seconds = 10}};
-    EXPECT_EQ(secondsLeft(done, 5), 0);
+    const SweepJob jobs[] = {{.scene = 0, .cost = 1, .seconds = 10, .repeats = 5},
+                             {.scene = 0, .cost = 4, .repeats = 5},  // 40 s: two runs make a minute
+                             {.scene = 0, .cost = 10, .repeats = 5}};  // 100 s: one does
+    EXPECT_NEAR(secondsLeft(jobs), 80 + 100, 1e-9);
+    const SweepJob done[] = {{.scene = 0, .cost = 1, .seconds = 10, .repeats = 5}};
+    EXPECT_EQ(secondsLeft(done), 0);
 }
 
 TEST(SweepMethods, namesDifferAndSettingsAreWhole) {
@@ -72,7 +79,7 @@ TEST(SweepMethods, namesDifferAndSettingsAreWhole) {
         EXPECT_TRUE(labels.insert(method.label).second) << method.label;
         EXPECT_FALSE(method.settings.empty()) << method.name;
         for (const SweepSetting& setting : method.settings) {
-            EXPECT_EQ(settingArguments(method, setting).size(), 4);
+            EXPECT_EQ(settingArguments(method, setting).size(), method.arguments.size() + 2);
             EXPECT_GT(setting.cost, 0);
         }
     }
@@ -223,6 +230,10 @@ TEST(Child, errorsKeepTheirCode) {
     EXPECT_EQ(codeOf([] { runChild({"/none/at/all"}, {}); }), ExitCode::kEnvironment);
 }
 
+SweepMethod tracer(const std::vector<SweepSetting>& settings) {
+    return {"reference", "p", {"--method", "reference"}, "--spp", settings};
+}
+
 class SweepTest : public testing::Test {
   protected:
     void SetUp() override {
@@ -233,7 +244,7 @@ class SweepTest : public testing::Test {
         params_.width = params_.height = 16;
         params_.reference_spp = 16;
         params_.repeats = 1;
-        params_.methods = {{"reference", "p", {"--spp"}, {{{"16"}, 1}, {{"32"}, 2}, {{"48"}, 3}}}};
+        params_.methods = {tracer({{"16", 1}, {"32", 2}, {"48", 3}})};
     }
 
     // Names of the images that a chart renders anew.
@@ -268,8 +279,8 @@ class SweepTest : public testing::Test {
 };
 
 TEST_F(SweepTest, measuresEveryPoint) {
-    params_.methods = {{"radiance", "r", {"--gather-size"}, {{{"8"}, 1}}},
-                       {"reference", "p", {"--spp"}, {{{"16"}, 1}, {{"32"}, 2}}}};
+    params_.methods = {{"coarse", "c", {"--method", "radiance"}, "--gather-size", {{"8", 1}}},
+                       tracer({{"16", 1}, {"32", 2}})};
     Chart chart;
     EXPECT_EQ(rendered(&chart).size(), 4u);  // a reference and three points
     ASSERT_EQ(chart.scenes.size(), 1u);
@@ -333,7 +344,7 @@ TEST_F(SweepTest, scenesOfOneStemGoByTheirWholeNames) {
     const fs::path copy = folder_ / "a" / "cornell_diffuse.glb";
     fs::copy(SHEEN_SCENES "/cornell_glossy.glb", copy);
     params_.scenes.push_back(copy.string());
-    params_.methods = {{"reference", "p", {"--spp"}, {{{"16"}, 1}}}};
+    params_.methods = {tracer({{"16", 1}})};
     Chart chart;
     EXPECT_EQ(rendered(&chart).size(), 4u);
     EXPECT_EQ(chart.scenes[0].name, params_.scenes[0]);

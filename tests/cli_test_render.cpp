@@ -75,6 +75,10 @@ TEST_F(CliTest, everyWayToGatherRenders) {
         ASSERT_EQ(run.code, 0) << run.err;
         const Json json = Json::parse(textOf(file(std::string(gather) + ".json")));
         EXPECT_EQ(json["method"], "radiance");
+        EXPECT_EQ(json["gather"], gather);
+        EXPECT_FALSE(json.contains("gather_predicted_ms"));
+        EXPECT_NE(run.out.find(fmt::format("\ngather    {}\n", gather)), std::string::npos)
+            << run.out;
         EXPECT_EQ(json["size"], Json::array({24, 16}));
         EXPECT_GT(json["records"].get<int>(), 0);
         EXPECT_GT(json["pixels_geometry"].get<int>(), 0);
@@ -89,11 +93,25 @@ TEST_F(CliTest, everyWayToGatherRenders) {
         }
         EXPECT_EQ(json["seconds"]["trace"], 0.0);
     }
-    // Left to itself the program gathers by rays, and the name decides which way it is.
-    ASSERT_EQ(call(fmt::format("{} -o default.exr", cached)).code, 0);
-    EXPECT_EQ(textOf(file("default.exr")), textOf(file("ray.exr")));
     EXPECT_NE(textOf(file("hemicube.exr")), textOf(file("ray.exr")));
     EXPECT_NE(textOf(file("hemicube.exr")), textOf(file("border.exr")));
+}
+
+TEST_F(CliTest, renderSaysWhichGatherAndWhy) {
+    const char* const cached = "render scene.gltf --size 24x16 --gather-size 16";
+    ASSERT_EQ(call(fmt::format("{} --gather ray -o ray.exr", cached)).code, 0);
+    for (const char* automatic : {"", " --gather auto"}) {
+        const Outcome run =
+            call(fmt::format("{}{} -o auto.exr --json auto.json", cached, automatic));
+        ASSERT_EQ(run.code, 0) << run.err;
+        EXPECT_NE(run.out.find("gather    ray: predicted "), std::string::npos) << run.out;
+        const Json json = Json::parse(textOf(file("auto.json")));
+        EXPECT_EQ(json["gather"], "ray");
+        const Json& predicted = json["gather_predicted_ms"];
+        EXPECT_GT(predicted["ray"].get<double>(), 0.0);
+        EXPECT_GT(predicted["hemicube"].get<double>(), predicted["ray"].get<double>());
+        EXPECT_EQ(textOf(file("auto.exr")), textOf(file("ray.exr")));
+    }
 }
 
 TEST_F(CliTest, baselinesRender) {
@@ -107,6 +125,7 @@ TEST_F(CliTest, baselinesRender) {
     EXPECT_EQ(cached["pixels_uncovered"], 0);
     EXPECT_GT(cached["seconds"]["gather"].get<double>(), 0.0);
     EXPECT_EQ(cached["gl_renderer"], "");
+    EXPECT_FALSE(cached.contains("gather"));
     EXPECT_EQ(readExr(file("octree.exr")).colors.count("indirect_diffuse"), 1u);
 
     const Outcome denoised =

@@ -98,16 +98,17 @@ Chart measureChart(const ChartParams& params);
 /// Input error where the reference is black.
 void judgeScene(const std::string& folder, ChartScene& scene);
 
-/// Predicted and, once it is done, measured seconds of a run of one point.
+/// Something to render: a reference or a point. Predicted and, once it is done, measured.
 struct SweepJob {
     size_t scene = 0;
-    double cost = 1;      ///< SweepSetting::cost
+    double cost = 1;      ///< as SweepSetting::cost
     double seconds = -1;  ///< of one run; negative: not done
+    int repeats = 1;      ///< runs at most
 };
 
 /// Seconds that the jobs not done will take, with all their runs, from how long those that are done
 /// took against their costs, in the same scene where there are any; negative where none is done.
-double secondsLeft(std::span<const SweepJob> jobs, int repeats);
+double secondsLeft(std::span<const SweepJob> jobs);
 
 /// Indices of the points that no other beats, by growing time: none is as fast and as right, and
 /// better in one of the two. Equal points are all kept; a point whose time or error is not a

@@ -21,6 +21,8 @@ namespace fs = std::filesystem;
 
 // The path tracer's points use seed 0: the judge's noise must be independent of theirs.
 constexpr uint32_t kReferenceSeed = 1;
+// Of a path a pixel, as SweepSetting::cost: what methods.cpp has for the path tracer.
+constexpr double kPathCost = 0.1;
 
 std::string cpuName() {
     std::ifstream in("/proc/cpuinfo");
@@ -150,11 +152,18 @@ class Sweep {
                  .build = fileHash(params_.program),
                  .cpu = cpuName(),
                  .threads = threadCount()};
-        for (size_t s = 0; s < scenes_.size(); ++s) {
-            findReference(s);
-            judgeScene(params_.folder, scenes_[s]);  // a black reference is found here
+        std::vector<Reference> references = listReferences();
+        std::vector<Task> tasks = listTasks();
+        plan(references, tasks);
+        for (Reference& reference : references) {
+            if (!reference.stored) {
+                renderReference(reference);
+            }
+            ChartScene& scene = scenes_[reference.scene];
+            scene.reference_seconds = reference.stored->measured.seconds;
+            judgeScene(params_.folder, scene);  // a black reference is found here
         }
-        measurePoints();
+        measurePoints(tasks);
         for (ChartScene& scene : scenes_) {
             judgeScene(params_.folder, scene);
         }
@@ -168,6 +177,16 @@ class Sweep {
     }
 
   private:
+    // What a scene's points are judged by, to be rendered or already stored.
+    struct Reference {
+        size_t scene = 0;
+        RenderParams params;
+        ImageKey key;
+        fs::path file;  ///< without its extension
+        size_t job = 0;
+        std::optional<StoredPoint> stored;
+    };
+
     // A point to be measured or already stored.
     struct Task {
         size_t scene = 0;
@@ -176,6 +195,7 @@ class Sweep {
         bool first = false;  ///< of its method in its scene
         ImageKey key;
         fs::path file;  ///< without its extension
+        size_t job = 0;
         std::optional<StoredPoint> stored;
     };
 
@@ -192,41 +212,86 @@ class Sweep {
         return fileNamePart(fs::path(scenes_[scene].file).stem().string());
     }
 
-    // Takes the stored reference, or renders it. The file's name tells what it shows.
-    void findReference(size_t s) {
-        ChartScene& scene = scenes_[s];
-        RenderParams params;
-        params.method = Method::kReference;
-        params.width = params_.width;
-        params.height = params_.height;
-        params.camera = params_.camera;
-        params.spp = params_.reference_spp;
-        params.seed = kReferenceSeed;
-        ImageKey key = keyOf(s, {"reference", fmt::format("{}", params.spp)});
-        key.gl.clear();  // traced without it
-        const fs::path file =
-            references_ / fmt::format("{}.{}x{}.{}spp.{}", filePart(s), params.width, params.height,
-                                      params.spp, shortHash(key));
-        const fs::path exr = file.string() + ".exr", json = file.string() + ".json";
-        scene.reference_file = fs::relative(exr, root_).string();
-        const std::optional<std::string> text = readText(json.string());
-        const std::optional<StoredPoint> stored = text ? parsePoint(*text) : std::nullopt;
-        if (stored && sameImage(stored->key, key) &&
-            isReadable(exr, params.width, params.height, "variance")) {
-            scene.reference_seconds = stored->measured.seconds;
-            return;
+    // One a scene. The file's name tells what it shows.
+    std::vector<Reference> listReferences() {
+        std::vector<Reference> references;
+        for (size_t s = 0; s < scenes_.size(); ++s) {
+            Reference reference = {
+                .scene = s, .params = {}, .key = {}, .file = {}, .job = 0, .stored = {}};
+            RenderParams& params = reference.params;
+            params.method = Method::kReference;
+            params.width = params_.width;
+            params.height = params_.height;
+            params.camera = params_.camera;
+            params.spp = params_.reference_spp;
+            params.seed = kReferenceSeed;
+            reference.key = keyOf(s, {"reference", fmt::format("{}", params.spp)});
+            reference.key.gl.clear();  // traced without it
+            reference.file =
+                references_ / fmt::format("{}.{}x{}.{}spp.{}", filePart(s), params.width,
+                                          params.height, params.spp, shortHash(reference.key));
+            const std::string exr = reference.file.string() + ".exr";
+            scenes_[s].reference_file = fs::relative(exr, root_).string();
+            const std::optional<std::string> text = readText(reference.file.string() + ".json");
+            reference.stored = text ? parsePoint(*text) : std::nullopt;
+            if (reference.stored && !(sameImage(reference.stored->key, reference.key) &&
+                                      isReadable(exr, params.width, params.height, "variance"))) {
+                reference.stored.reset();
+            }
+            references.push_back(std::move(reference));
         }
-        say(fmt::format("reference {} of {}: {}, {} paths a pixel\n", s + 1, scenes_.size(),
-                        scene.name, params.spp));
+        return references;
+    }
+
+    void renderReference(Reference& reference) {
+        const ChartScene& scene = scenes_[reference.scene];
+        const std::string what =
+            fmt::format("{}, reference, {} paths a pixel", scene.name, reference.params.spp);
+        say(fmt::format("{} ...\n", what));
         const Timer timer;
-        const RenderResult result = renderFrame(loadScene(scene.file), params);
-        writeExr(exr.string(), result.frame, ExrLayers::kBasic);
-        scene.reference_seconds = timer.seconds();
-        StoredPoint point = {.key = key, .repeats = 1, .measured = {}};
+        const RenderResult result = renderFrame(loadScene(scene.file), reference.params);
+        writeExr(reference.file.string() + ".exr", result.frame, ExrLayers::kBasic);
+        StoredPoint point = {.key = reference.key, .repeats = 1, .measured = {}};
         point.measured.host = host_;
-        point.measured.seconds = scene.reference_seconds;
-        point.measured.runs = {scene.reference_seconds};
-        writeText(json, jsonText(point));
+        point.measured.seconds = timer.seconds();
+        point.measured.runs = {point.measured.seconds};
+        writeText(reference.file.string() + ".json", jsonText(point));
+        reference.stored = std::move(point);
+        finish(reference.job, reference.stored->measured.seconds, what);
+    }
+
+    // Lists as jobs what is to be rendered and what was before.
+    void plan(std::vector<Reference>& references, std::vector<Task>& tasks) {
+        const auto add = [this](size_t scene, double cost, int repeats,
+                                const std::optional<StoredPoint>& stored) {
+            jobs_.push_back({.scene = scene,
+                             .cost = cost,
+                             .seconds = stored ? stored->measured.seconds : -1,
+                             .repeats = repeats});
+            return jobs_.size() - 1;
+        };
+        for (Reference& reference : references) {
+            reference.job =
+                add(reference.scene, kPathCost * params_.reference_spp, 1, reference.stored);
+        }
+        int stored = 0;
+        for (Task& task : tasks) {
+            task.job = add(task.scene, task.setting->cost, params_.repeats, task.stored);
+            stored += task.stored ? 1 : 0;
+        }
+        if (stored > 0) {
+            say(fmt::format("{} of {} points were measured before\n", stored, tasks.size()));
+        }
+    }
+
+    // Says that a job is done, and how long the others will take.
+    void finish(size_t job, double seconds, const std::string& what) {
+        jobs_[job].seconds = seconds;
+        const auto done = std::count_if(jobs_.begin(), jobs_.end(),
+                                        [](const SweepJob& other) { return other.seconds >= 0; });
+        const bool all = done == static_cast<std::ptrdiff_t>(jobs_.size());
+        say(fmt::format("[{}/{}] {}: {:.2f} s{}\n", done, jobs_.size(), what, seconds,
+                        all ? "" : "; about " + timeText(secondsLeft(jobs_)) + " left"));
     }
 
     std::vector<Task> listTasks() const {
@@ -240,6 +305,7 @@ class Sweep {
                                  .first = &setting == &method.settings.front(),
                                  .key = keyOf(s, settingArguments(method, setting)),
                                  .file = {},
+                                 .job = 0,
                                  .stored = {}};
                     task.file = points_ / fmt::format("{}.{}.{}", filePart(s), method.name,
                                                       shortHash(task.key));
@@ -272,34 +338,17 @@ class Sweep {
         return fits ? std::move(point) : std::nullopt;
     }
 
-    void measurePoints() {
-        std::vector<Task> tasks = listTasks();
-        std::vector<SweepJob> jobs;
-        size_t done = 0;
-        for (const Task& task : tasks) {
-            done += task.stored ? 1 : 0;
-            jobs.push_back({.scene = task.scene,
-                            .cost = task.setting->cost,
-                            .seconds = task.stored ? task.stored->measured.seconds : -1});
-        }
-        if (done > 0) {
-            say(fmt::format("{} of {} points were measured before\n", done, tasks.size()));
-        }
+    void measurePoints(std::vector<Task>& tasks) {
         const Task* warmed = nullptr;
-        for (size_t i = 0; i < tasks.size(); ++i) {
-            Task& task = tasks[i];
+        for (Task& task : tasks) {
             if (!task.stored) {
                 const bool cold = warmed == nullptr || warmed->scene != task.scene ||
                                   warmed->method != task.method;
                 measure(task, cold);
                 warmed = &task;
-                jobs[i].seconds = task.stored->measured.seconds;
-                ++done;
-                const double left = secondsLeft(jobs, params_.repeats);
-                say(fmt::format("[{}/{}] {}, {}, {}: {:.2f} s{}\n", done, tasks.size(),
-                                scenes_[task.scene].name, task.method->label,
-                                settingLabel(*task.method, *task.setting), jobs[i].seconds,
-                                done == tasks.size() ? "" : "; about " + timeText(left) + " left"));
+                finish(task.job, task.stored->measured.seconds,
+                       fmt::format("{}, {}, {}", scenes_[task.scene].name, task.method->label,
+                                   settingLabel(*task.method, *task.setting)));
             }
             scenes_[task.scene].points.push_back(
                 {.method = task.method->name,
@@ -394,12 +443,13 @@ class Sweep {
     fs::path root_, points_, references_, shader_cache_;
     std::vector<ChartScene> scenes_;
     std::vector<SceneIdentity> identities_;  ///< [scene]
+    std::vector<SweepJob> jobs_;             ///< references, then points
     ChartHost host_;
 };
 
 }  // namespace
 
-double secondsLeft(std::span<const SweepJob> jobs, int repeats) {
+double secondsLeft(std::span<const SweepJob> jobs) {
     double seconds = 0, cost = 0;
     for (const SweepJob& job : jobs) {
         if (job.seconds >= 0) {
@@ -423,7 +473,7 @@ double secondsLeft(std::span<const SweepJob> jobs, int repeats) {
             }
         }
         const double ratio = scene_cost > 0 ? scene_seconds / scene_cost : seconds / cost;
-        left += job.cost * ratio * plannedRuns(job.cost * ratio, repeats);
+        left += job.cost * ratio * plannedRuns(job.cost * ratio, job.repeats);
     }
     return left;
 }

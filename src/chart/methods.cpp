@@ -13,14 +13,20 @@ const std::vector<SweepMethod>& sweepMethods() {
     static const std::vector<SweepSetting> kPaths = {
         {"16", 1.5}, {"64", 4}, {"256", 25}, {"1024", 100}};
     static const std::vector<SweepMethod> kMethods = {
-        {"radiance", "radiance cache", "--accuracy", kAccuracies},
-        {"irradiance", "irradiance cache", "--accuracy", kAccuracies},
+        {"radiance", "radiance cache", {"--method", "radiance"}, "--accuracy", kAccuracies},
+        {"irradiance", "irradiance cache", {"--method", "irradiance"}, "--accuracy", kAccuracies},
         {"octree",
          "octree (Ward)",
+         {"--method", "octree"},
          "--accuracy",
          {{"1.5", 0.7}, {"0.8", 1}, {"0.5", 2}, {"0.25", 8}}},
-        {"reference", "path tracer", "--spp", kPaths},
-        {"denoised", "path tracer, denoised", "--spp", kPaths},
+        {"reference", "path tracer", {"--method", "reference"}, "--spp", kPaths},
+        {"denoised", "path tracer, denoised", {"--method", "denoised"}, "--spp", kPaths},
+        {"rasterised",
+         "radiance cache, rasterised",
+         {"--method", "radiance", "--gather", "hemicube"},
+         "--accuracy",
+         {{"2", 2}, {"1", 4}, {"0.4", 9}}},
     };
     return kMethods;
 }
@@ -45,7 +51,9 @@ std::vector<SweepMethod> chooseMethods(const std::vector<std::string>& names) {
 }
 
 std::vector<std::string> settingArguments(const SweepMethod& method, const SweepSetting& setting) {
-    return {"--method", method.name, method.option, setting.value};
+    std::vector<std::string> arguments = method.arguments;
+    arguments.insert(arguments.end(), {method.option, setting.value});
+    return arguments;
 }
 
 std::string settingLabel(const SweepMethod& method, const SweepSetting& setting) {

@@ -14,8 +14,9 @@ struct SweepSetting {
 };
 
 struct SweepMethod {
-    std::string name;                    ///< of `sheen render --method`
+    std::string name;                    ///< of `sheen chart --methods`
     std::string label;                   ///< in the report
+    std::vector<std::string> arguments;  ///< of `sheen render`, at every setting
     std::string option;                  ///< of `sheen render`, what is swept
     std::vector<SweepSetting> settings;  ///< from the fastest on
 };
@@ -27,7 +28,7 @@ const std::vector<SweepMethod>& sweepMethods();
 /// none.
 std::vector<SweepMethod> chooseMethods(const std::vector<std::string>& names);
 
-/// The command line's part that makes the setting: --method NAME --option value ...
+/// The command line's part that makes the setting: --method ... --option value
 std::vector<std::string> settingArguments(const SweepMethod& method, const SweepSetting& setting);
 
 /// The same for people: "accuracy 0.4".

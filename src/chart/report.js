@@ -18,6 +18,7 @@ const SHAPES = [
   {style: 'triangle', path: 'M0 -5.5L5.5 4.5H-5.5Z'},
   {style: 'rectRot', path: 'M0 -5.5L5.5 0L0 5.5L-5.5 0Z'},
   {style: 'triangle', rotation: 180, path: 'M0 5.5L5.5 -4.5H-5.5Z'},
+  {style: 'triangle', rotation: 90, path: 'M5.5 0L-4.5 5.5V-5.5Z'},
 ];
 const REFERENCE = -1;  // in place of a point's index
 const still = location.hash === '#charts';  // the charts alone, to take a picture of

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "cli/commands.h"
 #include "cli/options.h"
@@ -26,10 +27,11 @@ const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
                                                 {"denoised", Method::kDenoised}};
 
 struct Gather {
-    GatherRoad road;
+    std::optional<GatherRoad> road;  // none: the cheaper
     HemisphereKind hemisphere;
 };
 const std::map<std::string, Gather> kGathers = {
+    {"auto", {std::nullopt, HemisphereKind::kHemicube}},
     {"ray", {GatherRoad::kRays, HemisphereKind::kHemicube}},
     {"border", {GatherRoad::kRaster, HemisphereKind::kBorder}},
     {"plane", {GatherRoad::kRaster, HemisphereKind::kPlane}},
@@ -48,12 +50,13 @@ struct RenderOptions {
     std::string size = "512x512";
     std::string method = "radiance";
     std::string sh_order = "auto";
-    std::string gather = "ray";
+    std::string gather = "auto";
     std::string exposure = "auto";
     std::string layers = "basic";
     std::string json;
     int threads = 0;
     RenderParams params;
+    RoadChoice road_choice;  // of --gather auto
     std::vector<LimitedOption> limited;
     CLI::Option* exposure_option = nullptr;
     CLI::Option* layers_option = nullptr;
@@ -127,7 +130,8 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                            "radiance, irradiance: how a record sees its hemisphere: by rays "
                            "through a hemicube (ray), or rasterised: on a hemicube, or one plane "
                            "with its border stretched to the horizon (border), bare (plane) or "
-                           "rescaled (larsen)")
+                           "rescaled (larsen); auto: ray or hemicube, what costs less for the "
+                           "same error")
                 ->check(CLI::IsMember(keysOf(kGathers))),
             cached);
     limited(app.add_option(
@@ -168,6 +172,31 @@ void addProgramOptions(CLI::App& app, RenderOptions& o) {
 
 bool tracesPaths(Method method) {
     return method == Method::kReference || method == Method::kDenoised;
+}
+
+bool usesCache(Method method) {
+    return method == Method::kRadiance || method == Method::kIrradiance;
+}
+
+std::string nameOfGather(const RenderParams& params) {
+    for (const auto& [name, gather] : kGathers) {
+        if (gather.road == params.gather_road && gather.hemisphere == params.gather.kind) {
+            return name;
+        }
+    }
+    throw std::logic_error("a gather without a name");
+}
+
+// And why, where --gather auto chose.
+std::string describeGather(const RenderOptions& o) {
+    const std::string name = nameOfGather(o.params);
+    if (kGathers.at(o.gather).road) {
+        return name;
+    }
+    return fmt::format(
+        "{}: predicted {:.2f} ms a record by rays, {:.2f} by the software "
+        "rasteriser for the same error",
+        name, o.road_choice.rays_ms, o.road_choice.raster_ms);
 }
 
 void checkMethodOptions(const RenderOptions& o) {
@@ -244,6 +273,13 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"too_glossy_share", stats.too_glossy_share},
                  {"sh_order", shOrders(stats.sh_order)},
                  {"gl_renderer", stats.gl_renderer}};
+    if (usesCache(o.params.method)) {
+        json["gather"] = nameOfGather(o.params);
+        if (!kGathers.at(o.gather).road) {
+            json["gather_predicted_ms"] = {{"ray", o.road_choice.rays_ms},
+                                           {"hemicube", o.road_choice.raster_ms}};
+        }
+    }
     if (tracesPaths(o.params.method)) {
         json["mrays_per_second"] = stats.mrays_per_second;
         json["spp"] = stats.spp;
@@ -279,7 +315,8 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
         fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
                    stats.pixels_uncovered, stats.pixels_geometry);
     }
-    if (o.params.method == Method::kRadiance || o.params.method == Method::kIrradiance) {
+    if (usesCache(o.params.method)) {
+        fmt::print("gather    {}\n", describeGather(o));
         if (std::isfinite(stats.estimated_rel_rmse)) {
             fmt::print("estimate  rel_rmse of the indirect light {:.1f}%\n",
                        100 * stats.estimated_rel_rmse);
@@ -317,7 +354,6 @@ ExitCode runRender(RenderOptions& o) {
     o.params.width = size.x;
     o.params.height = size.y;
     o.params.method = kMethods.at(o.method);
-    o.params.gather_road = kGathers.at(o.gather).road;
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.all_layers = o.layers == "all";
@@ -334,6 +370,8 @@ ExitCode runRender(RenderOptions& o) {
         warn(warning);
     }
     const double load_seconds = load.seconds();
+    o.road_choice = cheaperRoad(kSoftwareCosts, scene.triangleCount());
+    o.params.gather_road = kGathers.at(o.gather).road.value_or(o.road_choice.road);
     checkWritable(o.output);  // before the long work
     checkJsonWritable(o.json);
 

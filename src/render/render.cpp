@@ -273,13 +273,6 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
 
 }  // namespace
 
-// A gather's noise falls with its rays, and the other errors with the accuracy: both together.
-// Rays look closer where light changes; a raster cannot (docs/decisions.md).
-int gatherSize(GatherRoad road, float accuracy) {
-    const float texels_at_one = road == GatherRoad::kRays ? 11.4f : 24.0f;
-    return static_cast<int>(std::lround(texels_at_one / std::sqrt(accuracy)));
-}
-
 RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
     switch (params.method) {
         case Method::kReference:

@@ -9,14 +9,12 @@
 #include "cache/specular_rays.h"
 #include "hemisphere/hemisphere.h"
 #include "image/frame.h"
+#include "render/gather_road.h"
 #include "scene/scene.h"
 
 namespace sheen {
 
 enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised };
-
-/// What finds the light around a record: rays on the CPU or the rasteriser.
-enum class GatherRoad { kRays, kRaster };
 
 /// Everything that changes the image. Defaults were chosen by measurement (docs/decisions.md).
 struct RenderParams {
@@ -85,9 +83,6 @@ struct RenderResult {
 
 /// No target error makes records finer than this.
 constexpr float kFinestAccuracy = 0.03f;
-
-/// Texels along a hemisphere's side where none are asked for.
-int gatherSize(GatherRoad road, float accuracy);
 
 /// Renders one frame. Usage error where the method does not support an option or the camera does
 /// not exist; environment error without an OpenGL 4.5 context.

@@ -1,0 +1,39 @@
+// Which way of finding the light around records costs less.
+#pragma once
+
+namespace sheen {
+
+/// What finds the light around a record: rays on the CPU or the rasteriser.
+enum class GatherRoad { kRays, kRaster };
+
+/// Texels along a hemisphere's side where none are asked for.
+int gatherSize(GatherRoad road, float accuracy);
+
+/// Milliseconds that a record costs among so many triangles: fixed + factor * triangles^power.
+struct RecordCost {
+    double fixed = 0, factor = 0, power = 0;
+    double milliseconds(int triangles) const;
+};
+
+/// What decides between the roads on a machine. Only the ratio of the two matters.
+struct RoadCosts {
+    RecordCost rays, raster;  ///< at the same accuracy, of gatherSize() texels
+    /// How many times as long the raster takes for the rays' error.
+    double raster_equal_error = 1;
+};
+
+/// Mesa's software rasteriser and two threads: fitted to the gather stages of docs/performance.md
+/// (diffuse records, default accuracy), within a factor of 1.7, and to `sheen chart`
+/// (docs/decisions.md).
+constexpr RoadCosts kSoftwareCosts = {
+    .rays = {0.07, 0.005, 0.33}, .raster = {0.27, 4e-4, 0.77}, .raster_equal_error = 2.2};
+
+struct RoadChoice {
+    GatherRoad road = GatherRoad::kRays;
+    double rays_ms = 0, raster_ms = 0;  ///< a record, for the same error
+};
+
+/// The cheaper road in a scene of so many triangles; rays where they are as cheap.
+RoadChoice cheaperRoad(const RoadCosts& costs, int triangles);
+
+}  // namespace sheen
