@@ -204,9 +204,10 @@ def image_table(rows_of):
     return table(["stage", "triangles", "ms"], rows)
 
 
-def startup_table(warm, cold):
-    return table(["to the first G-buffer", "ms"],
-                 [["shaders in Mesa's cache", figure(warm)], ["cache empty", figure(cold)]])
+def startup_table(starts):
+    """`starts`: (what, warm, cold) in milliseconds."""
+    return table(["from the start of a process", "warm, ms", "cold, ms"],
+                 [[what, figure(warm), figure(cold)] for what, warm, cold in starts])
 
 
 def whole_table(runs):
@@ -320,22 +321,35 @@ def measure_stages(program, wanted, quick):
     every = run(every_core, 1,
                 "rays project build gbuffer placement triad splat compose estimate exr")
     workers = run(every_core, every_core, "raster")
-    with tempfile.TemporaryDirectory() as folder:
-        def start(cache):
-            rows = run_stages(program, every_core, 1, list_stages(program, "startup"), 0, 1,
-                              f"{folder}/{cache}")
-            return rows["startup"]["real_time"]
-        starts = 1 if quick else 5
-        cold = [start(i) for i in range(starts)]
-        warm = [start(0) for i in range(starts)]
     return {"rays": gather_table(one, every, "rays"),
             "raster": gather_table(one, workers, "raster"),
             "build": build_table(every),
             "project": project_table(one, every),
             "splat": splat_table(one, every),
             "placement": placement_table(every),
-            "image": image_table(every),
-            "startup": startup_table(statistics.median(warm), statistics.median(cold))}
+            "image": image_table(every)}
+
+
+def measure_startup(program, sheen, quick):
+    """(what, warm, cold), milliseconds: with shaders in Mesa's cache, and with none."""
+    runs = 1 if quick else 5
+    tiny = ["render", SCENES / "cornell_diffuse.glb", "--size", "16x16"]
+    with tempfile.TemporaryDirectory() as folder:
+        def first_gbuffer(cache):
+            rows = run_stages(program, os.cpu_count(), 1, list_stages(program, "startup"), 0, 1,
+                              cache)
+            return rows["startup"]["real_time"]
+
+        def command(arguments):
+            return lambda cache: 1e3 * Run([sheen, *arguments], cache).seconds
+
+        def measure(what, start):
+            cold = [start(f"{folder}/{what}{i}") for i in range(runs)]
+            warm = [start(f"{folder}/{what}0") for i in range(runs)]
+            return what, statistics.median(warm), statistics.median(cold)
+        return [measure("sheen --version", command(["--version"])),
+                measure("first G-buffer, 512x512", first_gbuffer),
+                measure("sheen render, 16x16", command([*tiny, "-o", f"{folder}/image.exr"]))]
 
 
 def measure_whole(sheen, sizes, runs, options):
@@ -406,6 +420,8 @@ def main():
     if arguments.what in ("all", "stages"):
         tables.update(measure_stages(arguments.stages_program, arguments.only,
                                      arguments.quick))
+        tables["startup"] = startup_table(measure_startup(
+            arguments.stages_program, arguments.sheen_program, arguments.quick))
     if arguments.what in ("all", "scaling"):
         sheen, runs = arguments.sheen_program, arguments.runs
         by_records = measure_records(sheen, WHOLE[GROWN], ACCURACIES, runs)

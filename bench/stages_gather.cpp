@@ -171,13 +171,21 @@ void registerGather(Setup& setup) {
     for (const SceneChoice& choice : choices) {
         const std::string_view name = choice.name;
         const bool all_sizes = name == kCornell.name || name == kAtrium.name;
-        for (int size : {kRaySize, 38, 64, 128}) {
+        for (int size : {kRaySize, 32, 64, 128}) {
             if (size == kRaySize || all_sizes) {
                 addRays(choice, size);
             }
         }
-        addRaster(choice, "hemicube", {.kind = HemisphereKind::kHemicube, .size = kRasterSize});
-        addRaster(choice, "border", {.kind = HemisphereKind::kBorder, .size = 64});
+        for (int size : {32, kRasterSize, 64, 128}) {
+            if (size == kRasterSize || all_sizes) {
+                addRaster(choice, "hemicube", {.kind = HemisphereKind::kHemicube, .size = size});
+            }
+        }
+        for (int size : {32, 64, 128}) {
+            if (size == 64 || all_sizes) {
+                addRaster(choice, "border", {.kind = HemisphereKind::kBorder, .size = size});
+            }
+        }
         registerBuild(setup, choice);
     }
 }
