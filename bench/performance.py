@@ -214,11 +214,12 @@ def whole_table(runs):
     """`runs`: (scene, size, cold, warm)."""
     rows = []
     for scene, size, cold, warm in runs:
-        seconds = warm.stats["seconds"]
-        stages = [seconds[stage] for stage in STAGES]
+        stages = [warm.stats["seconds"][stage] for stage in STAGES]
+        stages.append(warm.seconds - sum(stages))
         rows.append([scene, size, count(warm.stats["records"]), f"{warm.seconds:.2f} s",
-                     f"{cold.seconds:.2f} s", *(f"{s:.2f}" for s in stages),
-                     f"{warm.seconds - sum(stages):.2f}", f"{warm.memory:.0f} MiB"])
+                     f"{cold.seconds:.2f} s",
+                     *(f"{s:.2f}, {100 * s / warm.seconds:.0f}%" for s in stages),
+                     f"{warm.memory:.0f} MiB"])
     return table(["scene", "size", "records", "warm", "cold", *STAGES, "other", "peak memory"], rows)
 
 
