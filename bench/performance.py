@@ -206,7 +206,7 @@ def image_table(rows_of):
 
 def startup_table(starts):
     """`starts`: (what, warm, cold) in milliseconds."""
-    return table(["from the start of a process", "warm, ms", "cold, ms"],
+    return table(["start-up", "warm, ms", "cold, ms"],
                  [[what, figure(warm), figure(cold)] for what, warm, cold in starts])
 
 
@@ -349,7 +349,7 @@ def measure_startup(program, sheen, quick):
             warm = [start(f"{folder}/{what}0") for i in range(runs)]
             return what, statistics.median(warm), statistics.median(cold)
         return [measure("sheen --version", command(["--version"])),
-                measure("first G-buffer, 512x512", first_gbuffer),
+                measure("in a process, to the first G-buffer", first_gbuffer),
                 measure("sheen render, 16x16", command([*tiny, "-o", f"{folder}/image.exr"]))]
 
 

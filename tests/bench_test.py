@@ -48,10 +48,9 @@ class Bench(unittest.TestCase):
 
     def test_startup(self):
         starts = performance.measure_startup(self.stages, self.sheen, quick=True)
-        for row in cells(performance.startup_table(starts)):
-            self.assertGreater(float(row[1]), 0, row)
-            self.assertGreater(float(row[2]), 0, row)
-        self.assertEqual(len(starts), 3)
+        for what, warm, cold in starts:
+            self.assertGreater(min(warm, cold), 0, what)
+        self.assertEqual(len(cells(performance.startup_table(starts))), 3)
 
     def test_whole_render(self):
         runs = performance.measure_whole(self.sheen, {"cornell_diffuse": "24x16"}, 1, ["--threads=1"])
@@ -99,8 +98,8 @@ class Bench(unittest.TestCase):
 
     def test_page_has_a_place_for_every_table(self):
         page = performance.PAGE.read_text(encoding="utf-8")
-        tables = {name: [f"new {name}"] for name in [*self.tables, "startup", "whole", "scaling",
-                                                "machine"]}
+        names = [*self.tables, "startup", "whole", "scaling", "machine"]
+        tables = {name: [f"new {name}"] for name in names}
         filled = performance.fill(page, tables)
         for name in tables:
             self.assertIn(f"<!-- {name} -->\nnew {name}\n<!-- /{name} -->", filled)

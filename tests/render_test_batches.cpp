@@ -1,9 +1,11 @@
-// Records placed in batches, against one at a time: as few of them, and no seams where one batch
-// ends and the next begins.
+// Records placed in batches, against one at a time: hardly more of them, and no seams where one
+// batch ends and the next begins.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
 
 #include "test_render.h"
 
@@ -11,6 +13,9 @@ namespace sheen {
 namespace {
 
 constexpr int kSize = 128;
+constexpr double kMoreRecords = 1.05;  // docs/decisions.md has 1.03 to 1.04 at 512 x 512
+// Where records lie is chance: in either way some steps are greater. Seams would be many.
+constexpr float kGreaterSteps = 1.25f;
 
 RenderResult render(const Scene& scene, int batch, int coarsest_stride) {
     RenderParams params;
@@ -56,13 +61,13 @@ TEST(Batches, TakeFewMoreRecordsThanOneAtATimeAndLeaveNoSeams) {
         const RenderResult batches = render(scene, usual.batch, usual.coarsest_stride);
         const RenderResult one_at_a_time = render(scene, 1, usual.coarsest_stride);
         const RenderResult scan = render(scene, 1, 1);
-        EXPECT_LE(batches.stats.records, 1.05 * one_at_a_time.stats.records);
-        EXPECT_LE(batches.stats.records, 1.05 * scan.stats.records);
+        EXPECT_LE(batches.stats.records, kMoreRecords * one_at_a_time.stats.records);
+        EXPECT_LE(batches.stats.records, kMoreRecords * scan.stats.records);
         const std::vector<float> own = steps(batches.frame, scan.frame);
         const std::vector<float> theirs = steps(one_at_a_time.frame, scan.frame);
         ASSERT_EQ(own.size(), theirs.size());
         for (size_t rank : {size_t(0), own.size() / 1000, own.size() / 100, own.size() / 10}) {
-            EXPECT_LT(own[rank], 1.25f * theirs[rank]) << rank;
+            EXPECT_LT(own[rank], kGreaterSteps * theirs[rank]) << rank;
         }
     }
 }

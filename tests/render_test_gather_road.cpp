@@ -11,8 +11,7 @@ TEST(CheaperRoad, IsTheOneThatCostsLess) {
     EXPECT_EQ(cheaperRoad(costs, 4).road, GatherRoad::kRaster);  // 0.8 against 1
     EXPECT_EQ(cheaperRoad(costs, 5).road, GatherRoad::kRays);    // as much
     EXPECT_EQ(cheaperRoad(costs, 6).road, GatherRoad::kRays);
-    EXPECT_DOUBLE_EQ(cheaperRoad(costs, 4).raster_ms, 0.8);
-    EXPECT_DOUBLE_EQ(cheaperRoad(costs, 4).rays_ms, 1.0);
+    EXPECT_DOUBLE_EQ(cheaperRoad(costs, 4).raster_ratio, 0.8);
 }
 
 // Milliseconds a record, both threads, of docs/performance.md: "Gather by rays", 18 texels, and "by
@@ -38,10 +37,11 @@ TEST(CheaperRoad, PredictsWhatTheStagesTake) {
 }
 
 TEST(CheaperRoad, RaysWinOnTheSoftwareRasteriserAtAnySize) {
+    constexpr double kLeast = 8.0;  // docs/decisions.md: 10 to 27 times in real scenes
     for (int triangles : {0, 1, 30, 1'000, 100'000, 10'000'000, 2'000'000'000}) {
         const RoadChoice choice = cheaperRoad(kSoftwareCosts, triangles);
         EXPECT_EQ(choice.road, GatherRoad::kRays) << triangles;
-        EXPECT_GT(choice.raster_ms, 3.0 * choice.rays_ms) << triangles;
+        EXPECT_GT(choice.raster_ratio, kLeast) << triangles;
     }
 }
 

@@ -88,9 +88,9 @@ struct Chart {
 };
 
 /// Renders references and points that the folder does not hold yet, then judges all points. Prints
-/// a line for each point on stderr, with the time left. Usage error for a camera that a scene has
-/// not or a scene given twice; input error for a scene that cannot be read or that shows no
-/// indirect light; environment error where the folder cannot be written.
+/// a line for each that it renders on stderr, with the time left. Usage error for a camera that a
+/// scene has not or a scene given twice; input error for a scene that cannot be read or that shows
+/// no indirect light; environment error where the folder cannot be written.
 Chart measureChart(const ChartParams& params);
 
 /// Fills in what `scene` says of its reference and its points' images: errors, and PNG images of
@@ -101,13 +101,15 @@ void judgeScene(const std::string& folder, ChartScene& scene);
 /// Something to render: a reference or a point. Predicted and, once it is done, measured.
 struct SweepJob {
     size_t scene = 0;
+    size_t method = 0;    ///< any numbers that differ where methods do; references are one of them
     double cost = 1;      ///< as SweepSetting::cost
     double seconds = -1;  ///< of one run; negative: not done
     int repeats = 1;      ///< runs at most
 };
 
 /// Seconds that the jobs not done will take, with all their runs, from how long those that are done
-/// took against their costs, in the same scene where there are any; negative where none is done.
+/// took against their costs: those of the same scene and method; where there are none, the mean
+/// over the methods of that scene; else over all. Negative where none is done.
 double secondsLeft(std::span<const SweepJob> jobs);
 
 /// Indices of the points that no other beats, by growing time: none is as fast and as right, and

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "chart/chart.h"
@@ -21,8 +22,6 @@ namespace fs = std::filesystem;
 
 // The path tracer's points use seed 0: the judge's noise must be independent of theirs.
 constexpr uint32_t kReferenceSeed = 1;
-// Of a path a pixel, as SweepSetting::cost: what methods.cpp has for the path tracer.
-constexpr double kPathCost = 0.1;
 
 std::string cpuName() {
     std::ifstream in("/proc/cpuinfo");
@@ -160,6 +159,7 @@ class Sweep {
                 renderReference(reference);
             }
             ChartScene& scene = scenes_[reference.scene];
+            scene.reference_file = fs::relative(reference.file.string() + ".exr", root_).string();
             scene.reference_seconds = reference.stored->measured.seconds;
             judgeScene(params_.folder, scene);  // a black reference is found here
         }
@@ -182,8 +182,8 @@ class Sweep {
         size_t scene = 0;
         RenderParams params;
         ImageKey key;
-        fs::path file;  ///< without its extension
-        size_t job = 0;
+        fs::path file;   ///< without its extension
+        size_t job = 0;  ///< index in jobs_, where it is not stored
         std::optional<StoredPoint> stored;
     };
 
@@ -194,8 +194,8 @@ class Sweep {
         const SweepSetting* setting = nullptr;
         bool first = false;  ///< of its method in its scene
         ImageKey key;
-        fs::path file;  ///< without its extension
-        size_t job = 0;
+        fs::path file;   ///< without its extension
+        size_t job = 0;  ///< index in jobs_
         std::optional<StoredPoint> stored;
     };
 
@@ -213,7 +213,7 @@ class Sweep {
     }
 
     // One a scene. The file's name tells what it shows.
-    std::vector<Reference> listReferences() {
+    std::vector<Reference> listReferences() const {
         std::vector<Reference> references;
         for (size_t s = 0; s < scenes_.size(); ++s) {
             Reference reference = {
@@ -231,7 +231,6 @@ class Sweep {
                 references_ / fmt::format("{}.{}x{}.{}spp.{}", filePart(s), params.width,
                                           params.height, params.spp, shortHash(reference.key));
             const std::string exr = reference.file.string() + ".exr";
-            scenes_[s].reference_file = fs::relative(exr, root_).string();
             const std::optional<std::string> text = readText(reference.file.string() + ".json");
             reference.stored = text ? parsePoint(*text) : std::nullopt;
             if (reference.stored && !(sameImage(reference.stored->key, reference.key) &&
@@ -260,23 +259,26 @@ class Sweep {
         finish(reference.job, reference.stored->measured.seconds, what);
     }
 
-    // Lists as jobs what is to be rendered and what was before.
+    // Lists as jobs all points and the references that are to be rendered. (Those that are stored
+    // may be of another machine, whose times say nothing.)
     void plan(std::vector<Reference>& references, std::vector<Task>& tasks) {
-        const auto add = [this](size_t scene, double cost, int repeats,
-                                const std::optional<StoredPoint>& stored) {
-            jobs_.push_back({.scene = scene,
-                             .cost = cost,
-                             .seconds = stored ? stored->measured.seconds : -1,
-                             .repeats = repeats});
-            return jobs_.size() - 1;
-        };
+        const size_t reference_method = params_.methods.size();
         for (Reference& reference : references) {
-            reference.job =
-                add(reference.scene, kPathCost * params_.reference_spp, 1, reference.stored);
+            if (!reference.stored) {
+                reference.job = jobs_.size();
+                jobs_.push_back({.scene = reference.scene,
+                                 .method = reference_method,
+                                 .cost = kPathCost * params_.reference_spp});
+            }
         }
         int stored = 0;
         for (Task& task : tasks) {
-            task.job = add(task.scene, task.setting->cost, params_.repeats, task.stored);
+            task.job = jobs_.size();
+            jobs_.push_back({.scene = task.scene,
+                             .method = static_cast<size_t>(task.method - params_.methods.data()),
+                             .cost = task.setting->cost,
+                             .seconds = task.stored ? task.stored->measured.seconds : -1,
+                             .repeats = params_.repeats});
             stored += task.stored ? 1 : 0;
         }
         if (stored > 0) {
@@ -450,29 +452,44 @@ class Sweep {
 }  // namespace
 
 double secondsLeft(std::span<const SweepJob> jobs) {
-    double seconds = 0, cost = 0;
+    struct Sum {
+        double seconds = 0, cost = 0;
+    };
+    std::map<std::pair<size_t, size_t>, Sum> done;  // of a scene and a method
     for (const SweepJob& job : jobs) {
         if (job.seconds >= 0) {
-            seconds += job.seconds;
-            cost += job.cost;
+            Sum& sum = done[{job.scene, job.method}];
+            sum.seconds += job.seconds;
+            sum.cost += job.cost;
         }
     }
-    if (cost <= 0) {
+    if (done.empty()) {
         return -1;
     }
+    // Methods differ more than scenes in what a unit of cost takes, so each counts as much.
+    const auto mean_ratio = [&done](const auto& counts) {
+        double ratios = 0;
+        int count = 0;
+        for (const auto& [key, sum] : done) {
+            if (counts(key.first)) {
+                ratios += sum.seconds / sum.cost;
+                ++count;
+            }
+        }
+        return count > 0 ? ratios / count : -1.0;
+    };
     double left = 0;
     for (const SweepJob& job : jobs) {
         if (job.seconds >= 0) {
             continue;
         }
-        double scene_seconds = 0, scene_cost = 0;
-        for (const SweepJob& other : jobs) {
-            if (other.seconds >= 0 && other.scene == job.scene) {
-                scene_seconds += other.seconds;
-                scene_cost += other.cost;
-            }
+        const auto same = done.find({job.scene, job.method});
+        double ratio = same != done.end()
+                           ? same->second.seconds / same->second.cost
+                           : mean_ratio([&job](size_t scene) { return scene == job.scene; });
+        if (ratio < 0) {
+            ratio = mean_ratio([](size_t) { return true; });
         }
-        const double ratio = scene_cost > 0 ? scene_seconds / scene_cost : seconds / cost;
         left += job.cost * ratio * plannedRuns(job.cost * ratio, job.repeats);
     }
     return left;

@@ -11,7 +11,7 @@ const std::vector<SweepMethod>& sweepMethods() {
     static const std::vector<SweepSetting> kAccuracies = {
         {"2", 0.6}, {"1", 1}, {"0.6", 1.5}, {"0.4", 2.3}, {"0.25", 4.5}, {"0.12", 15}};
     static const std::vector<SweepSetting> kPaths = {
-        {"16", 1.5}, {"64", 4}, {"256", 25}, {"1024", 100}};
+        {"16", 1.5}, {"64", 4}, {"256", 256 * kPathCost}, {"1024", 1024 * kPathCost}};
     static const std::vector<SweepMethod> kMethods = {
         {"radiance", "radiance cache", {"--method", "radiance"}, "--accuracy", kAccuracies},
         {"irradiance", "irradiance cache", {"--method", "irradiance"}, "--accuracy", kAccuracies},

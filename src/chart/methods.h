@@ -21,6 +21,9 @@ struct SweepMethod {
     std::vector<SweepSetting> settings;  ///< from the fastest on
 };
 
+/// Of a path a pixel by the path tracer, as SweepSetting::cost.
+constexpr double kPathCost = 0.1;
+
 /// In the order of the report.
 const std::vector<SweepMethod>& sweepMethods();
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "cli/commands.h"
 #include "cli/options.h"
@@ -194,9 +195,9 @@ std::string describeGather(const RenderOptions& o) {
         return name;
     }
     return fmt::format(
-        "{}: predicted {:.2f} ms a record by rays, {:.2f} by the software "
-        "rasteriser for the same error",
-        name, o.road_choice.rays_ms, o.road_choice.raster_ms);
+        "{}: the software rasteriser is predicted to take {:.2g} times as long as "
+        "rays for the same error",
+        name, o.road_choice.raster_ratio);
 }
 
 void checkMethodOptions(const RenderOptions& o) {
@@ -276,8 +277,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
     if (usesCache(o.params.method)) {
         json["gather"] = nameOfGather(o.params);
         if (!kGathers.at(o.gather).road) {
-            json["gather_predicted_ms"] = {{"ray", o.road_choice.rays_ms},
-                                           {"hemicube", o.road_choice.raster_ms}};
+            json["gather_raster_ratio"] = o.road_choice.raster_ratio;
         }
     }
     if (tracesPaths(o.params.method)) {

@@ -16,11 +16,9 @@ double RecordCost::milliseconds(int triangles) const {
 }
 
 RoadChoice cheaperRoad(const RoadCosts& costs, int triangles) {
-    RoadChoice choice;
-    choice.rays_ms = costs.rays.milliseconds(triangles);
-    choice.raster_ms = costs.raster_equal_error * costs.raster.milliseconds(triangles);
-    choice.road = choice.raster_ms < choice.rays_ms ? GatherRoad::kRaster : GatherRoad::kRays;
-    return choice;
+    const double ratio = costs.raster_equal_error * costs.raster.milliseconds(triangles) /
+                         costs.rays.milliseconds(triangles);
+    return {ratio < 1.0 ? GatherRoad::kRaster : GatherRoad::kRays, ratio};
 }
 
 }  // namespace sheen

@@ -1,4 +1,5 @@
-// Which way of finding the light around records costs less.
+// The two roads by which records find the light around them: how finely each looks, and which costs
+// less. Chosen before anything is rendered (`--gather auto`); measured in docs/decisions.md.
 #pragma once
 
 namespace sheen {
@@ -18,7 +19,7 @@ struct RecordCost {
 /// What decides between the roads on a machine. Only the ratio of the two matters.
 struct RoadCosts {
     RecordCost rays, raster;  ///< at the same accuracy, of gatherSize() texels
-    /// How many times as long the raster takes for the rays' error.
+    /// How many times as long the raster takes in addition for the rays' error.
     double raster_equal_error = 1;
 };
 
@@ -26,11 +27,11 @@ struct RoadCosts {
 /// (diffuse records, default accuracy), within a factor of 1.7, and to `sheen chart`
 /// (docs/decisions.md).
 constexpr RoadCosts kSoftwareCosts = {
-    .rays = {0.07, 0.005, 0.33}, .raster = {0.27, 4e-4, 0.77}, .raster_equal_error = 2.2};
+    .rays = {0.07, 0.005, 0.33}, .raster = {0.27, 4e-4, 0.77}, .raster_equal_error = 3.0};
 
 struct RoadChoice {
     GatherRoad road = GatherRoad::kRays;
-    double rays_ms = 0, raster_ms = 0;  ///< a record, for the same error
+    double raster_ratio = 1;  ///< how many times as long as rays the raster takes for their error
 };
 
 /// The cheaper road in a scene of so many triangles; rays where they are as cheap.
