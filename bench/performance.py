@@ -20,7 +20,7 @@ PAGE = ROOT / "docs" / "performance.md"
 # Default renders, and the sizes that docs/performance.md has goals for.
 WHOLE = {"cornell_diffuse": "512x512", "cornell_glossy": "512x512", "venus_glossy": "512x512",
          "atrium": "1000x1000"}
-ENOUGH_SECONDS = 60  # of a scene's warm runs: long runs vary little
+ENOUGH_SECONDS = 60  # of a scene's warm runs, and of its cold ones: long runs vary little
 STAGES = ["load", "gbuffer", "shadow", "placement", "gather", "project", "splat", "compose", "write"]
 QUICK, FULL = (0.001, 1), (0.3, 3)  # of a stage: seconds at least, repetitions
 # Growth: records by accuracy, of the same --gather-size; the box cut into triangles; pixels by the side.
@@ -82,22 +82,30 @@ class Run:
 
 
 def run_whole(sheen, scene, size, runs, options=()):
-    """A render with an empty shader cache, then `runs` with what it left there: the cold run, and
-    the warm one of median time."""
-    def render(folder):
+    """Renders with an empty shader cache, then `runs` with what the last of them left there: the
+    cold and the warm one of median time."""
+    def render(folder, cache):
         stats = pathlib.Path(folder) / "stats.json"
         run = Run([sheen, "render", SCENES / f"{scene}.glb", "--size", size, "-o",
-                   f"{folder}/image.exr", "--json", stats, *options], f"{folder}/cache")
+                   f"{folder}/image.exr", "--json", stats, *options], cache)
         run.stats = json.loads(stats.read_text())
         return run
 
+    def median(render_one, most):
+        done = []
+        while len(done) < most and (not done or sum(r.seconds for r in done) < ENOUGH_SECONDS):
+            done.append(render_one(len(done)))
+        done.sort(key=lambda run: run.seconds)
+        return done[(len(done) - 1) // 2]
+
     with tempfile.TemporaryDirectory() as folder:
-        cold = render(folder)
-        warm = []
-        while len(warm) < runs and (not warm or sum(r.seconds for r in warm) < ENOUGH_SECONDS):
-            warm.append(render(folder))
-    warm.sort(key=lambda run: run.seconds)
-    return cold, warm[(len(warm) - 1) // 2]
+        caches = []
+
+        def render_cold(i):
+            caches.append(f"{folder}/cache{i}")
+            return render(folder, caches[-1])
+        cold = median(render_cold, runs)
+        return cold, median(lambda _: render(folder, caches[-1]), runs)
 
 
 # Tables: a list of lines, empty where nothing was measured.
