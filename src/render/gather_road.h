@@ -23,8 +23,8 @@ struct RoadCosts {
     double raster_equal_error = 1;
 };
 
-/// Mesa's software rasteriser and two threads: fitted to the gather stages of docs/performance.md
-/// (diffuse records, default accuracy), within a factor of 1.7, and to `sheen chart`
+/// Mesa's software rasteriser and two threads: fitted within a factor of 1.7 to what `bench/stages`
+/// measured on a quiet machine (diffuse records, default accuracy), the last to `sheen chart`
 /// (docs/decisions.md).
 constexpr RoadCosts kSoftwareCosts = {
     .rays = {0.07, 0.005, 0.33}, .raster = {0.27, 4e-4, 0.77}, .raster_equal_error = 3.0};
