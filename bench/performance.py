@@ -81,9 +81,9 @@ class Run:
         self.stats = {}
 
 
-def run_whole(sheen, scene, size, runs, options=()):
-    """Renders with an empty shader cache, then `runs` with what the last of them left there: the
-    cold and the warm one of median time."""
+def run_whole(sheen, scene, size, runs, options=(), cold_runs=1):
+    """`cold_runs` renders, each with an empty shader cache, then `runs` with what the last of them
+    left there: the cold and the warm one of median time."""
     def render(folder, cache):
         stats = pathlib.Path(folder) / "stats.json"
         run = Run([sheen, "render", SCENES / f"{scene}.glb", "--size", size, "-o",
@@ -104,7 +104,7 @@ def run_whole(sheen, scene, size, runs, options=()):
         def render_cold(i):
             caches.append(f"{folder}/cache{i}")
             return render(folder, caches[-1])
-        cold = median(render_cold, runs)
+        cold = median(render_cold, cold_runs)
         return cold, median(lambda _: render(folder, caches[-1]), runs)
 
 
@@ -361,11 +361,11 @@ def measure_startup(program, sheen, quick):
                 measure("sheen render, 16x16", command([*tiny, "-o", f"{folder}/image.exr"]))]
 
 
-def measure_whole(sheen, sizes, runs, options):
+def measure_whole(sheen, sizes, runs, options, cold_runs=1):
     measured = []
     for scene, size in sizes.items():
         print(f"performance: rendering {scene} at {size}", file=sys.stderr)
-        measured.append((scene, size, *run_whole(sheen, scene, size, runs, options)))
+        measured.append((scene, size, *run_whole(sheen, scene, size, runs, options, cold_runs)))
     return measured
 
 
@@ -423,7 +423,8 @@ def main():
     tables = {}
     renderer = ""
     if arguments.what in ("all", "whole"):
-        whole = measure_whole(arguments.sheen_program, sizes, arguments.runs, arguments.options)
+        whole = measure_whole(arguments.sheen_program, sizes, arguments.runs, arguments.options,
+                              cold_runs=arguments.runs)
         renderer = whole[0][3].stats["gl_renderer"]
         tables["whole"] = whole_table(whole)
     if arguments.what in ("all", "stages"):

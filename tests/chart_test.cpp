@@ -83,7 +83,11 @@ TEST(SweepMethods, namesDifferAndSettingsAreWhole) {
         EXPECT_TRUE(labels.insert(method.label).second) << method.label;
         EXPECT_FALSE(method.settings.empty()) << method.name;
         for (const SweepSetting& setting : method.settings) {
-            EXPECT_EQ(settingArguments(method, setting).size(), method.arguments.size() + 2);
+            const std::vector<std::string> arguments = settingArguments(method, setting);
+            EXPECT_EQ(arguments.size() % 2, 0u);  // options and their values
+            EXPECT_EQ(arguments.front(), "--method");
+            EXPECT_EQ(arguments[arguments.size() - 2], method.option);
+            EXPECT_EQ(arguments.back(), setting.value);
             EXPECT_GT(setting.cost, 0);
         }
     }

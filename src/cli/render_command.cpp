@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 
 #include "cli/commands.h"
 #include "cli/options.h"
@@ -57,7 +56,7 @@ struct RenderOptions {
     std::string json;
     int threads = 0;
     RenderParams params;
-    RoadChoice road_choice;  // of --gather auto
+    std::optional<RoadChoice> road_choice;  // where --gather auto chose
     std::vector<LimitedOption> limited;
     CLI::Option* exposure_option = nullptr;
     CLI::Option* layers_option = nullptr;
@@ -179,27 +178,6 @@ bool usesCache(Method method) {
     return method == Method::kRadiance || method == Method::kIrradiance;
 }
 
-std::string nameOfGather(const RenderParams& params) {
-    for (const auto& [name, gather] : kGathers) {
-        if (gather.road == params.gather_road && gather.hemisphere == params.gather.kind) {
-            return name;
-        }
-    }
-    throw std::logic_error("a gather without a name");
-}
-
-// And why, where --gather auto chose.
-std::string describeGather(const RenderOptions& o) {
-    const std::string name = nameOfGather(o.params);
-    if (kGathers.at(o.gather).road) {
-        return name;
-    }
-    return fmt::format(
-        "{}: the software rasteriser is predicted to take {:.2g} times as long as "
-        "rays for the same error",
-        name, o.road_choice.raster_ratio);
-}
-
 void checkMethodOptions(const RenderOptions& o) {
     for (const LimitedOption& limited : o.limited) {
         const auto& methods = limited.methods;
@@ -275,9 +253,9 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"sh_order", shOrders(stats.sh_order)},
                  {"gl_renderer", stats.gl_renderer}};
     if (usesCache(o.params.method)) {
-        json["gather"] = nameOfGather(o.params);
-        if (!kGathers.at(o.gather).road) {
-            json["gather_raster_ratio"] = o.road_choice.raster_ratio;
+        json["gather"] = o.gather;
+        if (o.road_choice) {
+            json["gather_raster_ratio"] = o.road_choice->raster_ratio;
         }
     }
     if (tracesPaths(o.params.method)) {
@@ -316,7 +294,12 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
                    stats.pixels_uncovered, stats.pixels_geometry);
     }
     if (usesCache(o.params.method)) {
-        fmt::print("gather    {}\n", describeGather(o));
+        fmt::print("gather    {}{}\n", o.gather,
+                   !o.road_choice
+                       ? ""
+                       : fmt::format(": the software rasteriser is predicted to take {:.2g} times "
+                                     "as long as rays for the same error",
+                                     o.road_choice->raster_ratio));
         if (std::isfinite(stats.estimated_rel_rmse)) {
             fmt::print("estimate  rel_rmse of the indirect light {:.1f}%\n",
                        100 * stats.estimated_rel_rmse);
@@ -370,8 +353,11 @@ ExitCode runRender(RenderOptions& o) {
         warn(warning);
     }
     const double load_seconds = load.seconds();
-    o.road_choice = cheaperRoad(kSoftwareCosts, scene.triangleCount());
-    o.params.gather_road = kGathers.at(o.gather).road.value_or(o.road_choice.road);
+    if (!kGathers.at(o.gather).road) {
+        o.road_choice = cheaperRoad(kSoftwareCosts, scene.triangleCount());
+        o.gather = o.road_choice->road == GatherRoad::kRays ? "ray" : "hemicube";
+    }
+    o.params.gather_road = *kGathers.at(o.gather).road;
     checkWritable(o.output);  // before the long work
     checkJsonWritable(o.json);
 
