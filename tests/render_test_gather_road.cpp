@@ -14,8 +14,9 @@ TEST(CheaperRoad, IsTheOneThatCostsLess) {
     EXPECT_DOUBLE_EQ(cheaperRoad(costs, 4).raster_ratio, 0.8);
 }
 
-// What `bench/stages` measured on a quiet machine, milliseconds a record, both threads: by rays of 18
-// texels, and by the rasteriser, hemicube 38. Slower days change both alike (docs/performance.md).
+// What `bench/stages` measured on a quiet machine, milliseconds a record, both threads: by rays of
+// 18 texels, and by the rasteriser, hemicube 38. Slower days change both alike
+// (docs/performance.md).
 TEST(CheaperRoad, PredictsWhatTheStagesTake) {
     struct Measured {
         int triangles;
