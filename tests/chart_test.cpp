@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <sstream>
 
 #include "chart/child.h"
 #include "chart/point_file.h"
@@ -47,9 +48,9 @@ TEST(SecondsLeft, unknownUntilSomethingIsDone) {
 }
 
 TEST(SecondsLeft, scalesCostsByTheSameScene) {
-    const SweepJob jobs[] = {{.scene = 0, .cost = 1, .seconds = 2, .repeats = 3},
+    const SweepJob jobs[] = {{.scene = 0, .cost = 1, .seconds = 2, .repeats = 3, .runs = 3},
                              {.scene = 0, .cost = 3, .repeats = 3},
-                             {.scene = 1, .cost = 1, .seconds = 10, .repeats = 3},
+                             {.scene = 1, .cost = 1, .seconds = 10, .repeats = 3, .runs = 3},
                              {.scene = 1, .cost = 2, .repeats = 3},
                              {.scene = 2, .cost = 1, .repeats = 3}};
     // 3 runs of 6 s and of 20 s; the last scene knows only the mean of the others, 6 s.
@@ -57,23 +58,58 @@ TEST(SecondsLeft, scalesCostsByTheSameScene) {
 }
 
 TEST(SecondsLeft, scalesCostsByTheSameMethod) {
-    const SweepJob jobs[] = {{.scene = 0, .method = 2, .cost = 800, .seconds = 400},  // a reference
-                             {.scene = 0, .method = 0, .cost = 1, .seconds = 4, .repeats = 5},
-                             {.scene = 0, .method = 0, .cost = 2, .repeats = 5},
-                             {.scene = 0, .method = 1, .cost = 2, .repeats = 5},
-                             {.scene = 1, .method = 2, .cost = 800}};
-    // 5 runs of 8 s; of method 1 nothing is known but the mean of 0.5 and 4 s a unit, 4.5 s; the
-    // other reference runs once.
+    const SweepJob jobs[] = {
+        {.scene = 0, .method = 2, .cost = 800, .seconds = 400, .runs = 1},
+        {.scene = 0, .method = 0, .cost = 1, .seconds = 4, .repeats = 5, .runs = 5},
+        {.scene = 0, .method = 0, .cost = 2, .repeats = 5},
+        {.scene = 0, .method = 1, .cost = 2, .repeats = 5},
+        {.scene = 1, .method = 2, .cost = 800}};
+    // The first is a reference. 5 runs of 8 s; of method 1 nothing is known but the mean of 0.5 and
+    // 4 s a unit, 4.5 s; the other reference runs once.
     EXPECT_NEAR(secondsLeft(jobs), 5 * 8 + 5 * 4.5 + 800 * 2.25, 1e-9);
 }
 
 TEST(SecondsLeft, longPointsRunLessOften) {
-    const SweepJob jobs[] = {{.scene = 0, .cost = 1, .seconds = 10, .repeats = 5},
+    const SweepJob jobs[] = {{.scene = 0, .cost = 1, .seconds = 10, .repeats = 5, .runs = 5},
                              {.scene = 0, .cost = 4, .repeats = 5},  // 40 s: two runs make a minute
                              {.scene = 0, .cost = 10, .repeats = 5}};  // 100 s: one does
     EXPECT_NEAR(secondsLeft(jobs), 80 + 100, 1e-9);
-    const SweepJob done[] = {{.scene = 0, .cost = 1, .seconds = 10, .repeats = 5}};
+    const SweepJob done[] = {{.scene = 0, .cost = 1, .seconds = 10, .repeats = 5, .runs = 5}};
     EXPECT_EQ(secondsLeft(done), 0);
+}
+
+TEST(SecondsLeft, pointsThatHaveRunLackTheirOtherRuns) {
+    const SweepJob jobs[] = {
+        {.scene = 0, .cost = 1, .seconds = 7, .repeats = 5, .runs = 2},
+        {.scene = 0, .cost = 1, .seconds = 25, .repeats = 5, .runs = 1},  // three make a minute
+        {.scene = 0, .cost = 1, .seconds = 80, .repeats = 5, .runs = 5}};
+    EXPECT_NEAR(secondsLeft(jobs), 3 * 7 + 2 * 25, 1e-9);
+}
+
+TEST(Measurement, medianAndItsStages) {
+    Measurement m;
+    m.runs = {{5, {{"a", 5}}}};
+    EXPECT_EQ(m.seconds(), 5);
+    EXPECT_EQ(m.stages()[0].second, 5);
+    m.runs.push_back({2, {{"a", 2}}});
+    EXPECT_EQ(m.seconds(), 3.5);
+    m.runs.push_back({3, {{"a", 3}}});
+    EXPECT_EQ(m.seconds(), 3);
+    EXPECT_EQ(m.stages()[0].second, 3);
+}
+
+TEST(Measurement, isCompleteWithItsRunsOrAfterAMinute) {
+    Measurement m;
+    EXPECT_FALSE(m.isComplete(1));
+    m.runs = {{20, {}}, {30, {}}};
+    EXPECT_TRUE(m.isComplete(2));
+    EXPECT_FALSE(m.isComplete(3));
+    m.runs.push_back({10, {}});
+    EXPECT_TRUE(m.isComplete(9));
+    EXPECT_EQ(plannedRuns(20, 9), 3);
+    EXPECT_EQ(plannedRuns(20, 2), 2);
+    EXPECT_EQ(plannedRuns(100, 9), 1);
+    EXPECT_EQ(plannedRuns(0, 9), 9);
 }
 
 TEST(SweepMethods, namesDifferAndSettingsAreWhole) {
@@ -111,12 +147,9 @@ StoredPoint storedPoint() {
                  .height = 480,
                  .arguments = {"--method", "radiance", "--accuracy", "0.5"},
                  .gl = "egl"};
-    point.repeats = 3;
     point.measured.host = {.version = "1.2", .build = "f00", .cpu = "C \"P\" U", .threads = 7};
-    point.measured.runs = {0.1, 1.0 / 3.0, 2};
-    point.measured.seconds = 1.0 / 3.0;
+    point.measured.runs = {{0.1, {}}, {1.0 / 3.0, {{"write", 0.25}, {"load", 0.125}}}, {2, {}}};
     point.measured.cold_seconds = 2.5;
-    point.measured.stages = {{"write", 0.25}, {"load", 0.125}};
     point.measured.records = 12;
     point.measured.gl_renderer = "r\xc3\xa9nderer";
     return point;
@@ -127,16 +160,17 @@ TEST(PointFile, readsBack) {
     const std::optional<StoredPoint> read = parsePoint(jsonText(point));
     ASSERT_TRUE(read);
     EXPECT_TRUE(sameImage(read->key, point.key));
-    EXPECT_EQ(read->repeats, point.repeats);
     const Measurement &a = read->measured, &b = point.measured;
     EXPECT_EQ(a.host.version, b.host.version);
     EXPECT_EQ(a.host.build, b.host.build);
     EXPECT_EQ(a.host.cpu, b.host.cpu);
     EXPECT_EQ(a.host.threads, b.host.threads);
-    EXPECT_EQ(a.runs, b.runs);
-    EXPECT_EQ(a.seconds, b.seconds);
+    ASSERT_EQ(a.runs.size(), b.runs.size());
+    for (size_t i = 0; i < a.runs.size(); ++i) {
+        EXPECT_EQ(a.runs[i].seconds, b.runs[i].seconds);
+        EXPECT_EQ(a.runs[i].stages, b.runs[i].stages);
+    }
     EXPECT_EQ(a.cold_seconds, b.cold_seconds);
-    EXPECT_EQ(a.stages, b.stages);
     EXPECT_EQ(a.records, b.records);
     EXPECT_EQ(a.gl_renderer, b.gl_renderer);
 }
@@ -299,10 +333,10 @@ TEST_F(SweepTest, measuresEveryPoint) {
     ASSERT_EQ(scene.points.size(), 3u);
     for (const ChartPoint& point : scene.points) {
         double stages = 0;
-        for (const auto& [stage, seconds] : point.measured.stages) {
+        for (const auto& [stage, seconds] : point.measured.stages()) {
             stages += seconds;
         }
-        EXPECT_NEAR(stages, point.measured.seconds, 1e-9);
+        EXPECT_NEAR(stages, point.measured.seconds(), 1e-9);
         EXPECT_EQ(point.measured.runs.size(), 1u);
         EXPECT_GT(point.errors.compared, 0);
         EXPECT_EQ(point.image_png.substr(1, 3), "PNG");
@@ -320,7 +354,8 @@ TEST_F(SweepTest, continuesWhereItWas) {
     Chart first, second;
     ASSERT_EQ(rendered(&first).size(), 4u);
     EXPECT_EQ(rendered(&second).size(), 0u);
-    EXPECT_EQ(first.scenes[0].points[2].measured.runs, second.scenes[0].points[2].measured.runs);
+    EXPECT_EQ(first.scenes[0].points[2].measured.seconds(),
+              second.scenes[0].points[2].measured.seconds());
     EXPECT_EQ(first.scenes[0].points[2].errors.rel_rmse,
               second.scenes[0].points[2].errors.rel_rmse);
 
@@ -334,14 +369,53 @@ TEST_F(SweepTest, continuesWhereItWas) {
     EXPECT_EQ(rendered().size(), 0u);
 }
 
+TEST_F(SweepTest, pointsLackingRunsGetThoseThatTheyLack) {
+    Chart first, second;
+    ASSERT_EQ(rendered(&first).size(), 4u);
+    params_.repeats = 3;
+    EXPECT_EQ(rendered(&second).size(), 3u);
+    for (size_t i = 0; i < 3; ++i) {
+        const std::vector<TimedRun>& runs = second.scenes[0].points[i].measured.runs;
+        ASSERT_EQ(runs.size(), 3u);
+        EXPECT_EQ(runs[0].seconds, first.scenes[0].points[i].measured.runs[0].seconds);
+        EXPECT_EQ(second.scenes[0].points[i].measured.cold_seconds,
+                  first.scenes[0].points[i].measured.cold_seconds);
+    }
+    params_.repeats = 2;  // enough, and none is thrown away
+    EXPECT_EQ(rendered(&second).size(), 0u);
+    EXPECT_EQ(second.scenes[0].points[0].measured.runs.size(), 3u);
+}
+
+// A point's runs lie as far apart as they can.
+TEST_F(SweepTest, pointsOfASceneTakeTurns) {
+    params_.repeats = 2;
+    params_.methods = {tracer({{"16", 1}, {"32", 2}})};
+    testing::internal::CaptureStderr();
+    measureChart(params_);
+    std::istringstream said(testing::internal::GetCapturedStderr());
+    std::vector<std::string> settings;
+    for (std::string line; std::getline(said, line);) {
+        for (const char* setting : {"spp 16:", "spp 32:"}) {
+            if (line.find(setting) != std::string::npos) {
+                settings.push_back(setting);
+            }
+        }
+    }
+    EXPECT_EQ(settings, (std::vector<std::string>{"spp 16:", "spp 32:", "spp 16:", "spp 32:"}));
+}
+
 TEST_F(SweepTest, measuresAgainWhatNoLongerFits) {
     ASSERT_EQ(rendered().size(), 4u);
-    params_.repeats = 2;  // every point lacks a run
-    EXPECT_EQ(rendered().size(), 3u);
-    params_.reference_spp = 32;  // times stay, errors are judged anew
-    EXPECT_EQ(rendered().size(), 1u);
     params_.version = "newer";
     params_.any_build = true;
+    params_.repeats = 2;  // every point lacks a run, and the runs of one build make a point
+    Chart chart;
+    EXPECT_EQ(rendered(&chart).size(), 3u);
+    EXPECT_EQ(chart.scenes[0].points[1].measured.host.version, "newer");
+    EXPECT_EQ(chart.scenes[0].points[1].measured.runs.size(), 2u);
+    params_.reference_spp = 32;  // times stay, errors are judged anew
+    EXPECT_EQ(rendered().size(), 1u);
+    params_.version = "newest";
     EXPECT_EQ(rendered().size(), 0u);
     params_.any_build = false;
     EXPECT_EQ(rendered().size(), 3u);

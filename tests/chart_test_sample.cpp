@@ -23,9 +23,9 @@ ChartPoint makePoint(const std::string& method, const std::string& setting, doub
     point.file = "points/" + method + ".exr";
     Measurement& m = point.measured;
     m.host = {.version = "1.2.3", .build = "0123456789abcdef", .cpu = "A CPU", .threads = 2};
-    m.runs = {seconds, 1.1 * seconds, 0.9 * seconds};
-    m.seconds = seconds;
-    m.stages = {{"load", 0.1 * seconds}, {"gather", 0.6 * seconds}, {"other", 0.3 * seconds}};
+    for (const double s : {seconds, 1.1 * seconds, 0.9 * seconds}) {
+        m.runs.push_back({s, {{"load", 0.1 * s}, {"gather", 0.6 * s}, {"other", 0.3 * s}}});
+    }
     m.records = method == "reference" ? 0 : 100;
     m.gl_renderer = method == "reference" ? "" : "A renderer";
     Comparison& e = point.errors;

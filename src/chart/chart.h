@@ -5,9 +5,9 @@
 
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "chart/measurement.h"
 #include "chart/methods.h"
 #include "metrics/compare.h"
 
@@ -27,34 +27,8 @@ struct ChartParams {
     bool any_build = false;    ///< also use points that another build of the program measured
 };
 
-/// A point is run no more once its warm runs have taken this long in all: long runs vary little.
-constexpr double kEnoughSeconds = 60;
-
-/// Who measured: times of different builds or machines do not compare.
-struct ChartHost {
-    std::string version;
-    std::string build;  ///< hash of the executable
-    std::string cpu;    ///< model name
-    int threads = 0;
-};
-
 /// What the report puts into the chart's folder.
 constexpr const char* kReportFiles[] = {"chart.html", "chart.csv", "chart.json"};
-
-/// What it took to render a point.
-struct Measurement {
-    ChartHost host;
-    std::vector<double> runs;  ///< warm: wall-clock seconds of the whole command, as they came
-    double seconds = 0;        ///< their median
-    /// The first run ever, with Mesa's shader cache empty; negative where it was not measured:
-    /// it is for each method's first setting, since shaders do not depend on the setting.
-    double cold_seconds = -1;
-    /// Of the median run, in the order they ran, and last "other": start-up, exit and what no stage
-    /// counts.
-    std::vector<std::pair<std::string, double>> stages;
-    int records = 0;          ///< 0 for a method without
-    std::string gl_renderer;  ///< empty for a method without
-};
 
 struct ChartPoint {
     std::string method;   ///< SweepMethod::name
@@ -98,18 +72,20 @@ Chart measureChart(const ChartParams& params);
 /// Input error where the reference is black.
 void judgeScene(const std::string& folder, ChartScene& scene);
 
-/// Something to render: a reference or a point. Predicted and, once it is done, measured.
+/// Something to render: a reference or a point. Predicted and, once it has run, measured.
 struct SweepJob {
     size_t scene = 0;
     size_t method = 0;    ///< any numbers that differ where methods do; references are one of them
     double cost = 1;      ///< as SweepSetting::cost
-    double seconds = -1;  ///< of one run; negative: not done
+    double seconds = -1;  ///< of one run; negative: none has ended
     int repeats = 1;      ///< runs at most
+    int runs = 0;         ///< that have ended; `repeats` where no more are wanted
 };
 
-/// Seconds that the jobs not done will take, with all their runs, from how long those that are done
-/// took against their costs: those of the same scene and method; where there are none, the mean
-/// over the methods of that scene; else over all. Negative where none is done.
+/// Seconds that all runs left will take: of a job that has run, as long as it did; of others, from
+/// how long those that have took against their costs: those of the same scene and method; where
+/// there are none, the mean over the methods of that scene; else over all. Negative where no job
+/// has run.
 double secondsLeft(std::span<const SweepJob> jobs);
 
 /// Indices of the points that no other beats, by growing time: none is as fast and as right, and

@@ -102,18 +102,6 @@ std::string timeText(double seconds) {
                         : fmt::format("{} h {} min", minutes / 60, minutes % 60);
 }
 
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const size_t half = values.size() / 2;
-    return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
-// How many warm runs a point gets of which one takes `seconds`.
-int plannedRuns(double seconds, int repeats) {
-    const double enough = std::ceil(kEnoughSeconds / std::max(seconds, 1e-3));
-    return static_cast<int>(std::clamp(enough, 1.0, static_cast<double>(repeats)));
-}
-
 bool isReadable(const fs::path& exr, int width, int height, const std::string& layer) {
     try {
         const LoadedExr image = readExr(exr.string());
@@ -160,7 +148,7 @@ class Sweep {
             }
             ChartScene& scene = scenes_[reference.scene];
             scene.reference_file = fs::relative(reference.file.string() + ".exr", root_).string();
-            scene.reference_seconds = reference.stored->measured.seconds;
+            scene.reference_seconds = reference.stored->measured.seconds();
             judgeScene(params_.folder, scene);  // a black reference is found here
         }
         measurePoints(tasks);
@@ -187,17 +175,21 @@ class Sweep {
         std::optional<StoredPoint> stored;
     };
 
-    // A point to be measured or already stored.
+    // A point to be measured, or measured in whole or in part.
     struct Task {
         size_t scene = 0;
         const SweepMethod* method = nullptr;
         const SweepSetting* setting = nullptr;
-        bool first = false;  ///< of its method in its scene
         ImageKey key;
         fs::path file;   ///< without its extension
         size_t job = 0;  ///< index in jobs_
-        std::optional<StoredPoint> stored;
+        double cold_seconds = -1;
+        std::optional<StoredPoint> stored;  ///< with the runs so far
     };
+
+    bool isDone(const Task& task) const {
+        return task.stored && task.stored->measured.isComplete(params_.repeats);
+    }
 
     ImageKey keyOf(size_t scene, const std::vector<std::string>& arguments) const {
         return {.scene = identities_[scene].hash,
@@ -250,13 +242,12 @@ class Sweep {
         const Timer timer;
         const RenderResult result = renderFrame(loadScene(scene.file), reference.params);
         writeExr(reference.file.string() + ".exr", result.frame, ExrLayers::kBasic);
-        StoredPoint point = {.key = reference.key, .repeats = 1, .measured = {}};
+        StoredPoint point = {.key = reference.key, .measured = {}};
         point.measured.host = host_;
-        point.measured.seconds = timer.seconds();
-        point.measured.runs = {point.measured.seconds};
+        point.measured.runs = {{.seconds = timer.seconds(), .stages = {}}};
         writeText(reference.file.string() + ".json", jsonText(point));
         reference.stored = std::move(point);
-        finish(reference.job, reference.stored->measured.seconds, what);
+        count(reference.job, *reference.stored, true, what);
     }
 
     // Lists as jobs all points and the references that are to be rendered. (Those that are stored
@@ -277,23 +268,35 @@ class Sweep {
             jobs_.push_back({.scene = task.scene,
                              .method = static_cast<size_t>(task.method - params_.methods.data()),
                              .cost = task.setting->cost,
-                             .seconds = task.stored ? task.stored->measured.seconds : -1,
                              .repeats = params_.repeats});
-            stored += task.stored ? 1 : 0;
+            if (task.stored) {
+                update(task.job, *task.stored, isDone(task));
+            }
+            stored += isDone(task) ? 1 : 0;
         }
         if (stored > 0) {
             say(fmt::format("{} of {} points were measured before\n", stored, tasks.size()));
         }
     }
 
-    // Says that a job is done, and how long the others will take.
-    void finish(size_t job, double seconds, const std::string& what) {
-        jobs_[job].seconds = seconds;
-        const auto done = std::count_if(jobs_.begin(), jobs_.end(),
-                                        [](const SweepJob& other) { return other.seconds >= 0; });
-        const bool all = done == static_cast<std::ptrdiff_t>(jobs_.size());
-        say(fmt::format("[{}/{}] {}: {:.2f} s{}\n", done, jobs_.size(), what, seconds,
-                        all ? "" : "; about " + timeText(secondsLeft(jobs_)) + " left"));
+    void update(size_t job, const StoredPoint& point, bool done) {
+        jobs_[job].seconds = point.measured.seconds();
+        jobs_[job].runs = done ? jobs_[job].repeats : static_cast<int>(point.measured.runs.size());
+    }
+
+    // Says that a run has ended, and how long the others will take. What needs no more runs counts
+    // as if it had had all.
+    void count(size_t job, const StoredPoint& point, bool done, const std::string& what) {
+        update(job, point, done);
+        int runs = 0;
+        int all = 0;
+        for (const SweepJob& other : jobs_) {
+            runs += other.runs;
+            all += other.repeats;
+        }
+        say(fmt::format("[{}/{}] {}: {:.2f} s{}\n", runs, all, what,
+                        point.measured.runs.back().seconds,
+                        runs == all ? "" : "; about " + timeText(secondsLeft(jobs_)) + " left"));
     }
 
     std::vector<Task> listTasks() const {
@@ -304,10 +307,10 @@ class Sweep {
                     Task task = {.scene = s,
                                  .method = &method,
                                  .setting = &setting,
-                                 .first = &setting == &method.settings.front(),
                                  .key = keyOf(s, settingArguments(method, setting)),
                                  .file = {},
                                  .job = 0,
+                                 .cold_seconds = -1,
                                  .stored = {}};
                     task.file = points_ / fmt::format("{}.{}.{}", filePart(s), method.name,
                                                       shortHash(task.key));
@@ -328,30 +331,38 @@ class Sweep {
         std::optional<StoredPoint> point = parsePoint(*text);
         if (!point ||
             !isReadable(task.file.string() + ".exr", params_.width, params_.height, "indirect")) {
-            warn(fmt::format("{}: damaged; measuring this point again", json));
+            warn(fmt::format("{}: damaged, or of another version; measuring this point again",
+                             json));
             return std::nullopt;
         }
         const ChartHost& host = point->measured.host;
-        const bool same_build =
-            params_.any_build || (host.version == host_.version && host.build == host_.build);
         const bool same_machine = host.cpu == host_.cpu && host.threads == host_.threads;
-        const bool fits = same_build && same_machine && sameImage(point->key, task.key) &&
-                          point->repeats >= params_.repeats;
+        // What another build began cannot be continued.
+        const bool same_build = (host.version == host_.version && host.build == host_.build) ||
+                                (params_.any_build && point->measured.isComplete(params_.repeats));
+        const bool fits = same_build && same_machine && sameImage(point->key, task.key);
         return fits ? std::move(point) : std::nullopt;
     }
 
+    // A scene's points in turns, a run each, until all have theirs: where a machine's speed drifts,
+    // it drifts for all alike.
     void measurePoints(std::vector<Task>& tasks) {
-        const Task* warmed = nullptr;
-        for (Task& task : tasks) {
-            if (!task.stored) {
-                const bool cold = warmed == nullptr || warmed->scene != task.scene ||
-                                  warmed->method != task.method;
-                measure(task, cold);
-                warmed = &task;
-                finish(task.job, task.stored->measured.seconds,
-                       fmt::format("{}, {}, {}", scenes_[task.scene].name, task.method->label,
-                                   settingLabel(*task.method, *task.setting)));
+        for (auto first = tasks.begin(); first != tasks.end();) {
+            const auto end = std::find_if(
+                first, tasks.end(), [&](const Task& task) { return task.scene != first->scene; });
+            const std::span<Task> of_scene(first, end);
+            warmUp(of_scene);
+            const auto is_done = [this](const Task& task) { return isDone(task); };
+            while (!std::all_of(of_scene.begin(), of_scene.end(), is_done)) {
+                for (Task& task : of_scene) {
+                    if (!isDone(task)) {
+                        measure(task);
+                    }
+                }
             }
+            first = end;
+        }
+        for (const Task& task : tasks) {
             scenes_[task.scene].points.push_back(
                 {.method = task.method->name,
                  .setting = settingLabel(*task.method, *task.setting),
@@ -363,6 +374,41 @@ class Sweep {
         }
         std::error_code ignored;
         fs::remove_all(shader_cache_, ignored);
+    }
+
+    // Each method's shaders have a cache of their own, so that the user's is left alone.
+    fs::path shaderCache(const SweepMethod& method) const {
+        return shader_cache_ / fileNamePart(method.name);
+    }
+
+    ChildRun runPoint(const Task& task, const SweepSetting& setting,
+                      const std::string& output) const {
+        return runChild(
+            commandOf(task, setting, output),
+            {"MESA_SHADER_CACHE_DIR=" + fs::absolute(shaderCache(*task.method)).string()});
+    }
+
+    // Runs each method that lacks runs once with an empty cache of shaders: its first setting,
+    // which is itself a figure of that setting's point.
+    void warmUp(std::span<Task> tasks) const {
+        const SweepMethod* warmed = nullptr;
+        for (const Task& task : tasks) {
+            if (isDone(task) || task.method == warmed) {
+                continue;
+            }
+            warmed = task.method;
+            const fs::path cache = shaderCache(*task.method);
+            std::error_code ignored;
+            fs::remove_all(cache, ignored);
+            makeFolder(cache);
+            const SweepSetting& first = task.method->settings.front();
+            const double seconds = runPoint(task, first, (cache / "cold.exr").string()).seconds;
+            for (Task& other : tasks) {
+                if (other.method == warmed && other.setting == &first) {
+                    other.cold_seconds = seconds;
+                }
+            }
+        }
     }
 
     std::vector<std::string> commandOf(const Task& task, const SweepSetting& setting,
@@ -382,63 +428,45 @@ class Sweep {
         return command;
     }
 
-    // Measures a point and stores it. `cold`: nothing of this method and scene has run in this
-    // sweep, so that its shaders must be compiled first: a run of the first setting with an empty
-    // cache of their own, which leaves the user's alone, does that, and is itself a figure.
-    void measure(Task& task, bool cold) {
-        const std::string exr = task.file.string() + ".exr";
-        std::error_code ignored;
-        fs::remove(task.file.string() + ".json", ignored);  // what it says is not of this image
-        const std::vector<std::string> variables = {"MESA_SHADER_CACHE_DIR=" +
-                                                    fs::absolute(shader_cache_).string()};
-        Measurement measured;
-        measured.host = host_;
-        if (cold) {
-            fs::remove_all(shader_cache_, ignored);
-            const double seconds =
-                runChild(commandOf(task, task.method->settings.front(), exr), variables).seconds;
-            measured.cold_seconds = task.first ? seconds : -1;
+    // Runs a point once more and stores what is known of it.
+    void measure(Task& task) {
+        const std::string label =
+            fmt::format("{}, {}, {}", scenes_[task.scene].name, task.method->label,
+                        settingLabel(*task.method, *task.setting));
+        const std::string json = task.file.string() + ".json";
+        if (!task.stored) {
+            std::error_code ignored;
+            fs::remove(json, ignored);  // what it says is not of this image
         }
-        std::vector<Json> stats;
-        std::vector<std::string> warnings;  // of the last run: all say the same
-        double spent = 0;
-        while (measured.runs.empty() || (static_cast<int>(measured.runs.size()) < params_.repeats &&
-                                         spent < kEnoughSeconds)) {
-            const ChildRun run = runChild(commandOf(task, *task.setting, exr), variables);
-            measured.runs.push_back(run.seconds);
-            spent += run.seconds;
-            stats.push_back(Json::parse(run.out));
-            warnings = run.warnings;
+        const ChildRun run = runPoint(task, *task.setting, task.file.string() + ".exr");
+        const Json stats = Json::parse(run.out);
+        if (!task.stored) {
+            task.stored = {.key = task.key, .measured = {}};
+            task.stored->measured.host = host_;
+            task.stored->measured.cold_seconds = task.cold_seconds;
+            for (const std::string& warning : run.warnings) {  // all runs say the same
+                warn(fmt::format("{}: {}", label, warning));
+            }
         }
-        for (const std::string& warning : warnings) {
-            warn(fmt::format("{}, {}, {}: {}", scenes_[task.scene].name, task.method->label,
-                             settingLabel(*task.method, *task.setting), warning));
-        }
-        measured.seconds = median(measured.runs);
-        takeStats(stats, measured);
-        task.stored = {.key = task.key, .repeats = params_.repeats, .measured = measured};
-        writeText(task.file.string() + ".json", jsonText(*task.stored));
+        Measurement& measured = task.stored->measured;
+        measured.runs.push_back(timedRun(run.seconds, stats));
+        measured.records = stats.at("records");
+        measured.gl_renderer = stats.at("gl_renderer");
+        writeText(json, jsonText(*task.stored));
+        count(task.job, *task.stored, isDone(task), label);
     }
 
-    // What the run nearest to the median says of itself.
-    static void takeStats(const std::vector<Json>& stats, Measurement& measured) {
-        size_t nearest = 0;
-        const auto distance = [&measured](size_t i) {
-            return std::abs(measured.runs[i] - measured.seconds);
-        };
-        for (size_t i = 1; i < stats.size(); ++i) {
-            nearest = distance(i) < distance(nearest) ? i : nearest;
-        }
-        double other = measured.runs[nearest];
-        for (const auto& [stage, seconds] : stats[nearest].at("seconds").items()) {
+    static TimedRun timedRun(double wall_seconds, const Json& stats) {
+        TimedRun run = {.seconds = wall_seconds, .stages = {}};
+        double other = wall_seconds;
+        for (const auto& [stage, seconds] : stats.at("seconds").items()) {
             if (stage != "total" && seconds.get<double>() > 0) {
-                measured.stages.emplace_back(stage, seconds.get<double>());
+                run.stages.emplace_back(stage, seconds.get<double>());
                 other -= seconds.get<double>();
             }
         }
-        measured.stages.emplace_back("other", std::max(other, 0.0));
-        measured.records = stats[nearest].at("records");
-        measured.gl_renderer = stats[nearest].at("gl_renderer");
+        run.stages.emplace_back("other", std::max(other, 0.0));
+        return run;
     }
 
     const ChartParams& params_;
@@ -481,6 +509,7 @@ double secondsLeft(std::span<const SweepJob> jobs) {
     double left = 0;
     for (const SweepJob& job : jobs) {
         if (job.seconds >= 0) {
+            left += job.seconds * std::max(plannedRuns(job.seconds, job.repeats) - job.runs, 0);
             continue;
         }
         const auto same = done.find({job.scene, job.method});

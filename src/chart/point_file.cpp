@@ -1,5 +1,6 @@
 #include "chart/point_file.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -70,15 +71,29 @@ ImageKey keyFromJson(const Json& json) {
             .gl = json.at("gl")};
 }
 
+Json jsonFromRun(const TimedRun& run) {
+    Json stages = Json::object();
+    for (const auto& [stage, seconds] : run.stages) {
+        stages[stage] = seconds;
+    }
+    return {{"seconds", run.seconds}, {"stages", stages}};
+}
+
+TimedRun runFromJson(const Json& json) {
+    TimedRun run = {.seconds = json.at("seconds"), .stages = {}};
+    for (const auto& [stage, seconds] : json.at("stages").items()) {
+        run.stages.emplace_back(stage, seconds.get<double>());
+    }
+    return run;
+}
+
 Measurement measurementFromJson(const Json& json) {
     Measurement measured;
     measured.host = hostFromJson(json.at("host"));
-    measured.runs = json.at("runs").get<std::vector<double>>();
-    measured.seconds = json.at("seconds");
-    measured.cold_seconds = json.at("cold_seconds");
-    for (const auto& [stage, seconds] : json.at("stages").items()) {
-        measured.stages.emplace_back(stage, seconds.get<double>());
+    for (const Json& run : json.at("runs")) {
+        measured.runs.push_back(runFromJson(run));
     }
+    measured.cold_seconds = json.at("cold_seconds");
     measured.records = intFrom(json.at("records"));
     measured.gl_renderer = json.at("gl_renderer");
     return measured;
@@ -143,17 +158,14 @@ std::string shortHash(const ImageKey& key) {
 
 std::string jsonText(const StoredPoint& point) {
     const Measurement& m = point.measured;
-    Json stages = Json::object();
-    for (const auto& [stage, seconds] : m.stages) {
-        stages[stage] = seconds;
+    Json runs = Json::array();
+    for (const TimedRun& run : m.runs) {
+        runs.push_back(jsonFromRun(run));
     }
     return asciiText({{"image", jsonFromKey(point.key)},
-                      {"repeats", point.repeats},
                       {"host", jsonFromHost(m.host)},
-                      {"runs", m.runs},
-                      {"seconds", m.seconds},
+                      {"runs", runs},
                       {"cold_seconds", m.cold_seconds},
-                      {"stages", stages},
                       {"records", m.records},
                       {"gl_renderer", m.gl_renderer}},
                      2);
@@ -163,9 +175,11 @@ std::optional<StoredPoint> parsePoint(const std::string& text) {
     try {
         const Json json = Json::parse(text);
         StoredPoint point = {.key = keyFromJson(json.at("image")),
-                             .repeats = intFrom(json.at("repeats")),
                              .measured = measurementFromJson(json)};
-        const bool sane = point.measured.seconds > 0 && !point.measured.runs.empty();
+        const std::vector<TimedRun>& runs = point.measured.runs;
+        const bool sane =
+            !runs.empty() &&
+            std::all_of(runs.begin(), runs.end(), [](const TimedRun& r) { return r.seconds > 0; });
         return sane ? std::optional(std::move(point)) : std::nullopt;
     } catch (const Json::exception&) {
         return std::nullopt;

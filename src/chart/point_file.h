@@ -36,8 +36,7 @@ std::string shortHash(const ImageKey& key);
 
 struct StoredPoint {
     ImageKey key;
-    int repeats = 0;  ///< as asked for
-    Measurement measured;
+    Measurement measured;  ///< a run or more
 };
 
 std::string jsonText(const StoredPoint& point);

@@ -59,7 +59,7 @@ std::vector<size_t> frontOf(const ChartScene& scene, const std::string& error) {
     std::vector<TimeAndError> points;
     for (const ChartPoint& point : scene.points) {
         points.push_back(
-            {point.measured.seconds, point.errors.judged ? errorOf(point, error) : 0.0});
+            {point.measured.seconds(), point.errors.judged ? errorOf(point, error) : 0.0});
     }
     return paretoFront(points);
 }
@@ -73,14 +73,18 @@ Json pointJson(const ChartPoint& point) {
     errors["excluded"] = point.errors.excluded;
     errors["judged"] = point.errors.judged;
     Json stages = Json::object();
-    for (const auto& [stage, seconds] : m.stages) {
+    for (const auto& [stage, seconds] : m.stages()) {
         stages[stage] = seconds;
+    }
+    Json runs = Json::array();
+    for (const TimedRun& run : m.runs) {
+        runs.push_back(run.seconds);
     }
     return {{"method", point.method},
             {"setting", point.setting},
-            {"seconds", m.seconds},
+            {"seconds", m.seconds()},
             {"cold_seconds", m.cold_seconds < 0 ? Json() : Json(m.cold_seconds)},
-            {"runs", m.runs},
+            {"runs", runs},
             {"stages", stages},
             {"records", m.records},
             {"errors", errors},
@@ -146,7 +150,7 @@ std::vector<std::string> stageNames(const Chart& chart) {
     std::vector<std::string> names;
     for (const ChartScene& scene : chart.scenes) {
         for (const ChartPoint& point : scene.points) {
-            for (const auto& [stage, seconds] : point.measured.stages) {
+            for (const auto& [stage, seconds] : point.measured.stages()) {
                 if (std::find(names.begin(), names.end(), stage) == names.end()) {
                     names.push_back(stage);
                 }
@@ -225,7 +229,7 @@ std::string chartCsv(const Chart& chart) {
                                             scene.camera,
                                             point.method,
                                             point.setting,
-                                            csvNumber(m.seconds),
+                                            csvNumber(m.seconds()),
                                             m.cold_seconds < 0 ? "" : csvNumber(m.cold_seconds),
                                             fmt::format("{}", m.runs.size()),
                                             fmt::format("{}", m.records)};
@@ -234,7 +238,8 @@ std::string chartCsv(const Chart& chart) {
             }
             row.push_back(fmt::format("{}", point.errors.excluded));
             row.push_back(point.errors.judged ? "yes" : "no");
-            const std::map<std::string, double> seconds(m.stages.begin(), m.stages.end());
+            const StageTimes& spent = m.stages();
+            const std::map<std::string, double> seconds(spent.begin(), spent.end());
             for (const std::string& stage : stages) {
                 const auto found = seconds.find(stage);
                 row.push_back(found == seconds.end() ? "" : csvNumber(found->second));

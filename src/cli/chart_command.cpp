@@ -33,7 +33,7 @@ void printChart(const Chart& chart, const std::string& folder) {
                    100 * scene.noise_rel_rmse);
         for (const ChartPoint& point : scene.points) {
             fmt::print("  {:<10} {:<30} {:8.2f} s  rel_rmse {:6.2f}%{}\n", point.method,
-                       point.setting, point.measured.seconds, 100 * point.errors.rel_rmse,
+                       point.setting, point.measured.seconds(), 100 * point.errors.rel_rmse,
                        point.errors.judged ? "" : "  (not judged: mostly the reference's noise)");
         }
     }

@@ -13,8 +13,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         return 0;
     }
     const Measurement& m = point->measured;
-    fuzz::require(m.seconds > 0.0 && std::isfinite(m.seconds), "a point takes time");
     fuzz::require(!m.runs.empty(), "a point was run");
+    fuzz::require(m.seconds() > 0.0 && std::isfinite(m.seconds()), "a point takes time");
     const std::string written = jsonText(*point);
     const std::optional<StoredPoint> again = parsePoint(written);
     fuzz::require(again.has_value(), "a written point can be read", written);

@@ -97,11 +97,10 @@ void makePoints(const fs::path& folder) {
                 .height = 48,
                 .arguments = {"--method", "radiance", "--accuracy", "0.4"},
                 .gl = "osmesa"},
-        .repeats = 3,
         .measured = {.host = {.version = "0.1", .build = "b", .cpu = "c", .threads = 2},
-                     .runs = {1.5, 1.25, 2.0},
-                     .seconds = 1.5,
-                     .stages = {{"load", 0.5}, {"other", 1.0}},
+                     .runs = {{1.5, {{"load", 0.5}, {"other", 1.0}}},
+                              {1.25, {{"load", 0.25}, {"other", 1.0}}},
+                              {2.0, {}}},
                      .records = 100,
                      .gl_renderer = "llvmpipe"}};
     writeFile(folder / "point.json", jsonText(point));
