@@ -80,10 +80,12 @@ TEST(SecondsLeft, longPointsRunLessOften) {
 
 TEST(SecondsLeft, pointsThatHaveRunLackTheirOtherRuns) {
     const SweepJob jobs[] = {
-        {.scene = 0, .cost = 1, .seconds = 7, .repeats = 5, .runs = 2},
-        {.scene = 0, .cost = 1, .seconds = 25, .repeats = 5, .runs = 1},  // three make a minute
+        {.scene = 0, .cost = 1, .seconds = 7, .spent = 14, .repeats = 5, .runs = 2},
+        // Three of 25 s make a minute; of 10, 24 and 25 s, a second is missing.
+        {.scene = 0, .cost = 1, .seconds = 25, .spent = 25, .repeats = 5, .runs = 1},
+        {.scene = 0, .cost = 1, .seconds = 24, .spent = 59, .repeats = 5, .runs = 3},
         {.scene = 0, .cost = 1, .seconds = 80, .repeats = 5, .runs = 5}};
-    EXPECT_NEAR(secondsLeft(jobs), 3 * 7 + 2 * 25, 1e-9);
+    EXPECT_NEAR(secondsLeft(jobs), 3 * 7 + 2 * 25 + 24, 1e-9);
 }
 
 TEST(Measurement, medianAndItsStages) {
@@ -96,6 +98,8 @@ TEST(Measurement, medianAndItsStages) {
     m.runs.push_back({3, {{"a", 3}}});
     EXPECT_EQ(m.seconds(), 3);
     EXPECT_EQ(m.stages()[0].second, 3);
+    m.runs = {{1e308, {}}, {1e308, {}}};
+    EXPECT_EQ(m.seconds(), 1e308);
 }
 
 TEST(Measurement, isCompleteWithItsRunsOrAfterAMinute) {
@@ -106,10 +110,12 @@ TEST(Measurement, isCompleteWithItsRunsOrAfterAMinute) {
     EXPECT_FALSE(m.isComplete(3));
     m.runs.push_back({10, {}});
     EXPECT_TRUE(m.isComplete(9));
-    EXPECT_EQ(plannedRuns(20, 9), 3);
-    EXPECT_EQ(plannedRuns(20, 2), 2);
-    EXPECT_EQ(plannedRuns(100, 9), 1);
-    EXPECT_EQ(plannedRuns(0, 9), 9);
+    EXPECT_EQ(runsLeft(20, 0, 9), 3);
+    EXPECT_EQ(runsLeft(20, 0, 2), 2);
+    EXPECT_EQ(runsLeft(20, 20, 8), 2);
+    EXPECT_EQ(runsLeft(100, 0, 9), 1);
+    EXPECT_EQ(runsLeft(0, 0, 9), 9);
+    EXPECT_EQ(runsLeft(1, 3, 0), 0);
 }
 
 TEST(SweepMethods, namesDifferAndSettingsAreWhole) {
@@ -182,6 +188,13 @@ TEST(PointFile, rejectsWhatIsNone) {
     }
     for (const char* text : {"[]", "{}", "null", "7", "{\"image\": 3}", "\xff\xfe"}) {
         EXPECT_FALSE(parsePoint(text)) << text;
+    }
+    for (const char* runs :
+         {"[]", "null", "[1.5]", "[{\"seconds\": 1}]", "[{\"seconds\": 0, \"stages\": {}}]",
+          "[{\"seconds\": 1, \"stages\": {}}, {\"seconds\": -1, \"stages\": {}}]"}) {
+        nlohmann::ordered_json damaged = nlohmann::ordered_json::parse(good);
+        damaged["runs"] = nlohmann::ordered_json::parse(runs);
+        EXPECT_FALSE(parsePoint(damaged.dump())) << runs;
     }
     for (const char* part : {"\"runs\"", "\"seconds\"", "\"stages\"", "\"threads\"", "640"}) {
         std::string damaged = good;
@@ -359,13 +372,17 @@ TEST_F(SweepTest, continuesWhereItWas) {
     EXPECT_EQ(first.scenes[0].points[2].errors.rel_rmse,
               second.scenes[0].points[2].errors.rel_rmse);
 
-    // A point that is gone, one whose figures are damaged, and one whose image is.
+    // A point that is gone, one whose figures are damaged, one whose image is, and a reference.
     const fs::path root = params_.folder;
     const auto& points = first.scenes[0].points;
     fs::remove((root / points[0].file).replace_extension(".json"));
     std::ofstream((root / points[1].file).replace_extension(".json")) << "{\"image\": ";
     std::ofstream(root / points[2].file) << "no image";
-    EXPECT_EQ(rendered().size(), 3u);
+    std::ofstream((root / first.scenes[0].reference_file).replace_extension(".json")) << "{}";
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(rendered().size(), 4u);
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find("tracing this reference again"), std::string::npos) << said;
     EXPECT_EQ(rendered().size(), 0u);
 }
 
@@ -373,7 +390,13 @@ TEST_F(SweepTest, pointsLackingRunsGetThoseThatTheyLack) {
     Chart first, second;
     ASSERT_EQ(rendered(&first).size(), 4u);
     params_.repeats = 3;
+    testing::internal::CaptureStderr();
     EXPECT_EQ(rendered(&second).size(), 3u);
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(said.substr(0, said.find('\n')), "3 of 9 runs were measured before");
+    for (const char* count : {"\n[4/9] ", "\n[9/9] "}) {
+        EXPECT_NE(said.find(count), std::string::npos) << said;
+    }
     for (size_t i = 0; i < 3; ++i) {
         const std::vector<TimedRun>& runs = second.scenes[0].points[i].measured.runs;
         ASSERT_EQ(runs.size(), 3u);
@@ -393,15 +416,15 @@ TEST_F(SweepTest, pointsOfASceneTakeTurns) {
     testing::internal::CaptureStderr();
     measureChart(params_);
     std::istringstream said(testing::internal::GetCapturedStderr());
-    std::vector<std::string> settings;
+    std::vector<std::string> runs;  // up to the time, which differs
     for (std::string line; std::getline(said, line);) {
-        for (const char* setting : {"spp 16:", "spp 32:"}) {
-            if (line.find(setting) != std::string::npos) {
-                settings.push_back(setting);
-            }
+        if (line[0] == '[' && line.find("spp") != std::string::npos) {
+            runs.push_back(line.substr(0, line.find(':')));
         }
     }
-    EXPECT_EQ(settings, (std::vector<std::string>{"spp 16:", "spp 32:", "spp 16:", "spp 32:"}));
+    EXPECT_EQ(runs, (std::vector<std::string>{
+                        "[2/5] cornell_diffuse, p, spp 16", "[3/5] cornell_diffuse, p, spp 32",
+                        "[4/5] cornell_diffuse, p, spp 16", "[5/5] cornell_diffuse, p, spp 32"}));
 }
 
 TEST_F(SweepTest, measuresAgainWhatNoLongerFits) {

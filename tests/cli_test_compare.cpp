@@ -58,7 +58,7 @@ TEST_F(CliTest, chartWritesItsFiles) {
     EXPECT_EQ(json["scenes"][0]["points"].size(), 4u);
     const Outcome again = call(command);
     EXPECT_EQ(again.code, 0);
-    EXPECT_EQ(again.err, "4 of 4 points were measured before\n");
+    EXPECT_EQ(again.err, "4 of 4 runs were measured before\n");
     EXPECT_EQ(Json::parse(textOf(file("a/chart/chart.json"))), json);
 }
 

@@ -24,7 +24,7 @@ struct ChartParams {
     std::vector<SweepMethod> methods = sweepMethods();
     int reference_spp = 4096;  ///< more than any method sweeps, whose noise would be as great
     int repeats = 3;           ///< warm runs of a point; no more start after kEnoughSeconds
-    bool any_build = false;    ///< also use points that another build of the program measured
+    bool any_build = false;    ///< also use points that another build of the program completed
 };
 
 /// What the report puts into the chart's folder.
@@ -61,8 +61,8 @@ struct Chart {
     std::vector<ChartScene> scenes;
 };
 
-/// Renders references and points that the folder does not hold yet, then judges all points. Prints
-/// a line for each that it renders on stderr, with the time left. Usage error for a camera that a
+/// Renders references and runs of points that the folder does not hold yet, then judges all points.
+/// Prints a line for each run on stderr, with the time left. Usage error for a camera that a
 /// scene has not or a scene given twice; input error for a scene that cannot be read or that shows
 /// no indirect light; environment error where the folder cannot be written.
 Chart measureChart(const ChartParams& params);
@@ -78,6 +78,7 @@ struct SweepJob {
     size_t method = 0;    ///< any numbers that differ where methods do; references are one of them
     double cost = 1;      ///< as SweepSetting::cost
     double seconds = -1;  ///< of one run; negative: none has ended
+    double spent = 0;     ///< seconds of all runs
     int repeats = 1;      ///< runs at most
     int runs = 0;         ///< that have ended; `repeats` where no more are wanted
 };

@@ -225,8 +225,13 @@ class Sweep {
             const std::string exr = reference.file.string() + ".exr";
             const std::optional<std::string> text = readText(reference.file.string() + ".json");
             reference.stored = text ? parsePoint(*text) : std::nullopt;
-            if (reference.stored && !(sameImage(reference.stored->key, reference.key) &&
-                                      isReadable(exr, params.width, params.height, "variance"))) {
+            if (text &&
+                !(reference.stored && isReadable(exr, params.width, params.height, "variance"))) {
+                warn(fmt::format(
+                    "{}.json: damaged, or of another version; tracing this reference again",
+                    reference.file.string()));
+                reference.stored.reset();
+            } else if (reference.stored && !sameImage(reference.stored->key, reference.key)) {
                 reference.stored.reset();
             }
             references.push_back(std::move(reference));
@@ -262,7 +267,8 @@ class Sweep {
                                  .cost = kPathCost * params_.reference_spp});
             }
         }
-        int stored = 0;
+        int runs = 0;
+        int all = 0;
         for (Task& task : tasks) {
             task.job = jobs_.size();
             jobs_.push_back({.scene = task.scene,
@@ -272,15 +278,17 @@ class Sweep {
             if (task.stored) {
                 update(task.job, *task.stored, isDone(task));
             }
-            stored += isDone(task) ? 1 : 0;
+            runs += jobs_.back().runs;
+            all += jobs_.back().repeats;
         }
-        if (stored > 0) {
-            say(fmt::format("{} of {} points were measured before\n", stored, tasks.size()));
+        if (runs > 0) {
+            say(fmt::format("{} of {} runs were measured before\n", runs, all));
         }
     }
 
     void update(size_t job, const StoredPoint& point, bool done) {
         jobs_[job].seconds = point.measured.seconds();
+        jobs_[job].spent = point.measured.spent();
         jobs_[job].runs = done ? jobs_[job].repeats : static_cast<int>(point.measured.runs.size());
     }
 
@@ -402,7 +410,11 @@ class Sweep {
             fs::remove_all(cache, ignored);
             makeFolder(cache);
             const SweepSetting& first = task.method->settings.front();
-            const double seconds = runPoint(task, first, (cache / "cold.exr").string()).seconds;
+            const fs::path image = cache / "cold.exr";
+            const double seconds = runPoint(task, first, image.string()).seconds;
+            fs::remove(image, ignored);
+            say(fmt::format("{}, {}, cold: {:.2f} s\n", scenes_[task.scene].name,
+                            task.method->label, seconds));
             for (Task& other : tasks) {
                 if (other.method == warmed && other.setting == &first) {
                     other.cold_seconds = seconds;
@@ -509,7 +521,7 @@ double secondsLeft(std::span<const SweepJob> jobs) {
     double left = 0;
     for (const SweepJob& job : jobs) {
         if (job.seconds >= 0) {
-            left += job.seconds * std::max(plannedRuns(job.seconds, job.repeats) - job.runs, 0);
+            left += job.seconds * runsLeft(job.seconds, job.spent, job.repeats - job.runs);
             continue;
         }
         const auto same = done.find({job.scene, job.method});
@@ -519,7 +531,7 @@ double secondsLeft(std::span<const SweepJob> jobs) {
         if (ratio < 0) {
             ratio = mean_ratio([](size_t) { return true; });
         }
-        left += job.cost * ratio * plannedRuns(job.cost * ratio, job.repeats);
+        left += job.cost * ratio * runsLeft(job.cost * ratio, 0, job.repeats);
     }
     return left;
 }

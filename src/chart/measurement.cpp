@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.h"
 
@@ -15,7 +16,7 @@ double Measurement::seconds() const {
     }
     std::sort(sorted.begin(), sorted.end());
     const size_t half = sorted.size() / 2;
-    return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+    return sorted.size() % 2 == 1 ? sorted[half] : std::midpoint(sorted[half - 1], sorted[half]);
 }
 
 const StageTimes& Measurement::stages() const {
@@ -27,17 +28,21 @@ const StageTimes& Measurement::stages() const {
     return nearest->stages;
 }
 
-bool Measurement::isComplete(int repeats) const {
-    double spent = 0;
+double Measurement::spent() const {
+    double sum = 0;
     for (const TimedRun& run : runs) {
-        spent += run.seconds;
+        sum += run.seconds;
     }
-    return static_cast<int>(runs.size()) >= repeats || spent >= kEnoughSeconds;
+    return sum;
 }
 
-int plannedRuns(double seconds, int repeats) {
-    const double enough = std::ceil(kEnoughSeconds / std::max(seconds, 1e-3));
-    return static_cast<int>(std::clamp(enough, 1.0, static_cast<double>(repeats)));
+bool Measurement::isComplete(int repeats) const {
+    return static_cast<int>(runs.size()) >= repeats || spent() >= kEnoughSeconds;
+}
+
+int runsLeft(double seconds, double spent, int most) {
+    const double enough = std::ceil((kEnoughSeconds - spent) / std::max(seconds, 1e-3));
+    return most > 0 ? static_cast<int>(std::clamp(enough, 1.0, static_cast<double>(most))) : 0;
 }
 
 }  // namespace sheen

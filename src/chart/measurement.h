@@ -30,8 +30,8 @@ struct TimedRun {
 struct Measurement {
     ChartHost host;
     std::vector<TimedRun> runs;  ///< warm, as they came
-    /// The first run ever, with Mesa's shader cache empty; negative where it was not measured:
-    /// it is for each method's first setting, since shaders do not depend on the setting.
+    /// A run with Mesa's shader cache empty; negative where it was not measured: it is for each
+    /// method's first setting, since shaders do not depend on the setting.
     double cold_seconds = -1;
     int records = 0;          ///< 0 for a method without
     std::string gl_renderer;  ///< empty for a method without
@@ -40,11 +40,14 @@ struct Measurement {
     double seconds() const;
     /// Of the run nearest to the median; there must be one.
     const StageTimes& stages() const;
+    /// Seconds of all runs.
+    double spent() const;
     /// Whether there are `repeats` runs, or kEnoughSeconds of them.
     bool isComplete(int repeats) const;
 };
 
-/// How many runs complete a measurement where each takes `seconds`.
-int plannedRuns(double seconds, int repeats);
+/// How many runs of `seconds` each, of at most `most`, complete a measurement whose runs so far
+/// took `spent` and do not complete it.
+int runsLeft(double seconds, double spent, int most);
 
 }  // namespace sheen

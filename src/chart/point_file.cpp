@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/error.h"
+
 namespace sheen {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "chart/chart.h"
+#include "chart/measurement.h"
 #include "scene/scene.h"
 
 namespace sheen {

@@ -88,7 +88,7 @@ Command addChart(CLI::App& program) {
         ->check(numberIn(1, 99))
         ->capture_default_str();
     app->add_flag("--any-build", p.any_build,
-                  "Also take stored points that another build of the program measured");
+                  "Also take stored points that another build of the program completed");
     return {app, [options] { return runChart(*options); }};
 }
 
