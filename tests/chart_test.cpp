@@ -192,8 +192,8 @@ TEST(PointFile, rejectsWhatIsNone) {
     for (const char* runs :
          {"[]", "null", "[1.5]", "[{\"seconds\": 1}]", "[{\"seconds\": 0, \"stages\": {}}]",
           "[{\"seconds\": 1, \"stages\": {}}, {\"seconds\": -1, \"stages\": {}}]"}) {
-        nlohmann::ordered_json damaged = nlohmann::ordered_json::parse(good);
-        damaged["runs"] = nlohmann::ordered_json::parse(runs);
+        Json damaged = Json::parse(good);
+        damaged["runs"] = Json::parse(runs);
         EXPECT_FALSE(parsePoint(damaged.dump())) << runs;
     }
     for (const char* part : {"\"runs\"", "\"seconds\"", "\"stages\"", "\"threads\"", "640"}) {

@@ -225,13 +225,14 @@ class Sweep {
             const std::string exr = reference.file.string() + ".exr";
             const std::optional<std::string> text = readText(reference.file.string() + ".json");
             reference.stored = text ? parsePoint(*text) : std::nullopt;
-            if (text &&
-                !(reference.stored && isReadable(exr, params.width, params.height, "variance"))) {
+            const bool readable =
+                reference.stored && isReadable(exr, params.width, params.height, "variance");
+            if (text && !readable) {
                 warn(fmt::format(
                     "{}.json: damaged, or of another version; tracing this reference again",
                     reference.file.string()));
-                reference.stored.reset();
-            } else if (reference.stored && !sameImage(reference.stored->key, reference.key)) {
+            }
+            if (!readable || !sameImage(reference.stored->key, reference.key)) {
                 reference.stored.reset();
             }
             references.push_back(std::move(reference));
@@ -384,7 +385,7 @@ class Sweep {
         fs::remove_all(shader_cache_, ignored);
     }
 
-    // Each method's shaders have a cache of their own, so that the user's is left alone.
+    // A cache for each method, whose cold run empties it and no other's. The user's is left alone.
     fs::path shaderCache(const SweepMethod& method) const {
         return shader_cache_ / fileNamePart(method.name);
     }

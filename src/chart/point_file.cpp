@@ -73,14 +73,6 @@ ImageKey keyFromJson(const Json& json) {
             .gl = json.at("gl")};
 }
 
-Json jsonFromRun(const TimedRun& run) {
-    Json stages = Json::object();
-    for (const auto& [stage, seconds] : run.stages) {
-        stages[stage] = seconds;
-    }
-    return {{"seconds", run.seconds}, {"stages", stages}};
-}
-
 TimedRun runFromJson(const Json& json) {
     TimedRun run = {.seconds = json.at("seconds"), .stages = {}};
     for (const auto& [stage, seconds] : json.at("stages").items()) {
@@ -158,11 +150,19 @@ std::string shortHash(const ImageKey& key) {
     return hash.text().substr(0, 12);
 }
 
+Json jsonFromStages(const StageTimes& stages) {
+    Json json = Json::object();
+    for (const auto& [stage, seconds] : stages) {
+        json[stage] = seconds;
+    }
+    return json;
+}
+
 std::string jsonText(const StoredPoint& point) {
     const Measurement& m = point.measured;
     Json runs = Json::array();
     for (const TimedRun& run : m.runs) {
-        runs.push_back(jsonFromRun(run));
+        runs.push_back({{"seconds", run.seconds}, {"stages", jsonFromStages(run.stages)}});
     }
     return asciiText({{"image", jsonFromKey(point.key)},
                       {"host", jsonFromHost(m.host)},

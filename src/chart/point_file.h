@@ -39,6 +39,9 @@ struct StoredPoint {
     Measurement measured;  ///< a run or more
 };
 
+/// An object of seconds by stage.
+Json jsonFromStages(const StageTimes& stages);
+
 std::string jsonText(const StoredPoint& point);
 
 /// The point that `text` holds; none where it is not such a file.

@@ -72,10 +72,6 @@ Json pointJson(const ChartPoint& point) {
     }
     errors["excluded"] = point.errors.excluded;
     errors["judged"] = point.errors.judged;
-    Json stages = Json::object();
-    for (const auto& [stage, seconds] : m.stages()) {
-        stages[stage] = seconds;
-    }
     Json runs = Json::array();
     for (const TimedRun& run : m.runs) {
         runs.push_back(run.seconds);
@@ -85,7 +81,7 @@ Json pointJson(const ChartPoint& point) {
             {"seconds", m.seconds()},
             {"cold_seconds", m.cold_seconds < 0 ? Json() : Json(m.cold_seconds)},
             {"runs", runs},
-            {"stages", stages},
+            {"stages", jsonFromStages(m.stages())},
             {"records", m.records},
             {"errors", errors},
             {"gl_renderer", m.gl_renderer},
