@@ -20,19 +20,19 @@ struct Record {
     vec3 tangent;         // unit; SH gradients are along it and along cross(normal, tangent)
     int sh_first;         // index of its first SH coefficient
     vec3 irradiance;      // RGB, W/m^2 in glTF's photometric scale (lux)
-    float pad0;
+    float material;       // index of its surface's; whole numbers are exact to 2^24
     vec3 rotation_r;      // per channel: change of irradiance is dot(n - n_k, rotation)
-    float pad1;
+    float missed_r;       // RGB: radiance that the specular lobe of its own pixel sees, on average,
     vec3 rotation_g;
-    float pad2;
+    float missed_g;       // more than by its coefficients or, where it has none, than by its
     vec3 rotation_b;
-    float pad3;
+    float missed_b;       // irradiance over pi
     vec3 translation_r;   // per channel: change is dot(p - p_k, translation); tangential
-    float pad4;
+    float pad0;
     vec3 translation_g;
-    float pad5;
+    float pad1;
     vec3 translation_b;
-    float pad6;
+    float pad2;
 };
 
 struct WeightParams {
@@ -61,6 +61,11 @@ FN float recordWeight(IN(WeightParams) w, IN(vec3) p_k, IN(vec3) n_k, float R, I
     float e = sqrt(d2) / R + sqrt(w.normal_weight * tilt);
     float e_min = 0.5f * footprint / R;
     return max(w.accuracy / max(e, e_min) - 1.0f, 0.0f);
+}
+
+// What the lobe of its own pixel sees more than the record says otherwise; may be negative.
+FN vec3 recordMissed(IN(Record) k) {
+    return vec3(k.missed_r, k.missed_g, k.missed_b);
 }
 
 // Irradiance at p, n extrapolated from a record; never negative.

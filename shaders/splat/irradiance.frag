@@ -1,7 +1,12 @@
-// What a record adds to a pixel's irradiance; blending sums it over the records.
+// What a record adds to a pixel's irradiance, and to what lobes see beside that where MISSED is 1;
+// blending sums it over the records.
 #include "splat/fragment.glsl"
 
 layout(location = 0) out vec4 out_irradiance;  // weight * irradiance, weight
+#if MISSED == 1
+layout(binding = 3, r32i) readonly uniform iimage2D materials;
+layout(location = 1) out vec4 out_missed;  // of records on the same material: weight * missed, weight
+#endif
 
 void main() {
     Pixel pixel = weighPixel();
@@ -20,4 +25,8 @@ void main() {
     k.translation_b = values[9].xyz;
     vec3 irradiance = recordIrradiance(k, pixel.position, pixel.normal);
     out_irradiance = vec4(pixel.weight * irradiance, pixel.weight);
+#if MISSED == 1
+    float same = imageLoad(materials, ivec2(gl_FragCoord.xy)).x == int(values[3].w) ? 1.0 : 0.0;
+    out_missed = same * pixel.weight * vec4(values[4].w, values[5].w, values[6].w, 1.0);
+#endif
 }

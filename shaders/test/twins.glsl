@@ -129,7 +129,7 @@ FN vec4 twin(int which, IN(vec4) a, IN(vec4) b, IN(vec4) c, IN(vec4) d) {
         k.translation_r = vec3(c);
         k.translation_g = vec3(d);
         k.translation_b = 0.1f * vec3(d);
-        k.pad0 = k.pad1 = k.pad2 = k.pad3 = k.pad4 = k.pad5 = k.pad6 = 0.0f;
+        k.material = k.missed_r = k.missed_g = k.missed_b = k.pad0 = k.pad1 = k.pad2 = 0.0f;
         return vec4(recordIrradiance(k, vec3(a) + 0.3f * vec3(d), normalize(vec3(b) + 0.3f * vec3(c))),
                     0.0f);
     }

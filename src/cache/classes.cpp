@@ -98,6 +98,8 @@ PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_o
     PixelClasses classes;
     classes.orders = Image<int>(gbuffer.width, gbuffer.height, kNoOrder);
     classes.by_rays = Image<uint8_t>(gbuffer.width, gbuffer.height);
+    classes.materials = Image<int>(gbuffer.width, gbuffer.height, kNoMaterial);
+    classes.irradiance_only = irradiance_only;
     for (const Material& material : scene.materials) {
         classes.material_orders.push_back(
             irradiance_only ? shared::DIFFUSE_ORDER : materialOrder(scene, material, sh_order));
@@ -111,8 +113,9 @@ PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_o
                 continue;
             }
             int& order = classes.orders.at(x, y);
-            const uint32_t triangle = gbuffer.primitive.at(x, y);
-            order = classes.material_orders[scene.materials_of[triangle]];
+            const uint32_t material = scene.materials_of[gbuffer.primitive.at(x, y)];
+            classes.materials.at(x, y) = static_cast<int>(material);
+            order = classes.material_orders[material];
             if (order == shared::DIFFUSE_ORDER) {
                 continue;
             }

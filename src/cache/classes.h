@@ -11,6 +11,8 @@
 
 namespace sheen {
 
+/// Material of a pixel that sees no geometry.
+constexpr int kNoMaterial = -1;
 /// Order of a pixel that sees no geometry.
 constexpr int kNoOrder = -1;
 /// A pixel is diffuse where replacing its specular lobe by a cosine of the same albedo is predicted
@@ -25,10 +27,12 @@ constexpr float kTruncationBudget = 0.025f;
 constexpr float kTooGlossy = 0.15f;
 
 struct PixelClasses {
+    Image<int> materials;    ///< per pixel: the scene's material; kNoMaterial where nothing is seen
     Image<int> orders;       ///< per pixel: kNoOrder, shared::DIFFUSE_ORDER or bands
     Image<uint8_t> by_rays;  ///< 1: rays correct the specular light, or, where the order is that of
                              ///< a diffuse pixel, say all of it
     std::vector<int> material_orders;  ///< per material of the scene
+    bool irradiance_only = false;      ///< specular light is not wanted
     int geometry = 0;                  ///< pixels that see geometry
     int diffuse = 0;                   ///< of these, diffuse
     // Of geometry; a given order leaves both to the records.

@@ -4,6 +4,7 @@
 
 #include "cache/gather.h"
 #include "core/error.h"
+#include "scene/shared.h"
 #include "sh/projection.h"
 #include "sh/sh.h"
 
@@ -115,6 +116,29 @@ float greatestCurvature(const vec3& m) {
     return std::abs(mean) + std::hypot(0.5f * (m.x - m.z), m.y);
 }
 
+// What a lobe sees, texel by texel: the mean of their light by the lobe's weights, so that constant
+// light is met exactly. Unlike harmonics it keeps what is narrow, as far as texels resolve it.
+void seeThroughLobe(const Hemisphere& h, std::span<const vec4> texels, const SpecularLobe& lobe,
+                    const vec3& wo, GatheredRecord& result) {
+    const float NoV = std::max(wo.z, shared::MIN_COSINE);
+    vec3 light(0.0f);
+    float sum = 0.0f;
+    float squares = 0.0f;
+    for (size_t t = 0; t < texels.size(); ++t) {
+        const vec3& wi = h.directions[t];
+        const vec2 f =
+            shared::specularLobe(lobe.alpha, vec3(0.0f, 0.0f, 1.0f), {wo.x, wo.y, NoV}, wi);
+        const float weight = (lobe.f0 + (lobe.f90 - lobe.f0) * f.y) * f.x * h.cosines[t];
+        light += weight * vec3(texels[t]);
+        sum += weight;
+        squares += weight * weight;
+    }
+    if (sum > 0.0f) {
+        result.lobe_light = light / sum;
+        result.lobe_texels = sum * sum / squares;
+    }
+}
+
 std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
                              const TranslationGradient& gradient, const ShProjection& projection,
                              int order, const mat3& world_from_local) {
@@ -208,6 +232,9 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
             frame[0] * gradient.cosine_gradient[0][c] + frame[1] * gradient.cosine_gradient[1][c];
     }
     result.curvature = greatestCurvature(gradient.cosine_hessian);
+    if (site.lobe.any()) {
+        seeThroughLobe(h, texels, site.lobe, site.toward_viewer * frame, result);
+    }
     if (glossy) {
         result.sh = projectSh(h, texels, gradient, projection, site.order, frame);
     }

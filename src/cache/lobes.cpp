@@ -8,6 +8,7 @@
 #include "cache/record.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "scene/brdf_albedo.h"
 #include "sh/brdf_sh.h"
 
 namespace sheen {
@@ -41,6 +42,14 @@ shared::ShVector PixelLobes::at(int pixel, int order) const {
         lobe.c[i] = static_cast<float>(from[i]) / shared::LOBE_STEPS;
     }
     return lobe;
+}
+
+vec3 specularAlbedo(const GBuffer& gbuffer, int pixel) {
+    const auto i = static_cast<size_t>(pixel);
+    const vec4& normal = gbuffer.normal.pixels[i];
+    const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(gbuffer.position.pixels[i]));
+    const vec2 ab = brdfAlbedo(glm::dot(vec3(normal), wo), normal.w);
+    return vec3(gbuffer.f0.pixels[i]) * ab.x + vec3(gbuffer.diffuse.pixels[i].w * ab.y);
 }
 
 PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes) {

@@ -31,4 +31,7 @@ struct PixelLobes {
 };
 PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes);
 
+/// What a pixel's lobe reflects of constant light.
+vec3 specularAlbedo(const GBuffer& gbuffer, int pixel);
+
 }  // namespace sheen

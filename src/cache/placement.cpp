@@ -68,6 +68,19 @@ class Placer {
     float footprint(int i) const {
         return gbuffer_.position.pixels[static_cast<size_t>(i)].w * gbuffer_.pixel_angle;
     }
+    // Of pixels whose specular light records tell.
+    SpecularLobe lobe(int i) const {
+        const auto pixel = static_cast<size_t>(i);
+        const bool rays_alone =
+            classes_.by_rays.pixels[pixel] != 0 && order(i) == shared::DIFFUSE_ORDER;
+        if (classes_.irradiance_only || rays_alone) {
+            return {};
+        }
+        const vec3 f0(gbuffer_.f0.pixels[pixel]);
+        return {.alpha = shared::alphaFromRoughness(gbuffer_.normal.pixels[pixel].w),
+                .f0 = (f0.x + f0.y + f0.z) / 3.0f,
+                .f90 = gbuffer_.diffuse.pixels[pixel].w};
+    }
     int order(int i) const { return classes_.orders.pixels[static_cast<size_t>(i)]; }
     bool uncovered(int i) const {
         return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered;
@@ -109,6 +122,7 @@ class Placer {
     float clampedRadius(const Placed& placed) const;
     float splitSphereRadius(const GatheredRecord& g) const;
     float hessianRadius(const GatheredRecord& g, float image_height) const;
+    void setMissed(GatheredRecord& g, int pixel) const;
     float predictedOutgoing(const GatheredRecord& g, int pixel) const;
     void heedNeighbours(size_t added);
     void limitRadius(size_t placed, float radius);
@@ -158,6 +172,7 @@ RecordSite Placer::siteAt(const Choice& choice, bool first) const {
                     .geometric_normal = gbuffer_.geometricNormalAt(scene_, pixel),
                     .toward_viewer = glm::normalize(gbuffer_.view.origin - position(pixel)),
                     .order = order(pixel),
+                    .lobe = lobe(pixel),
                     // Of the first nothing is known.
                     .reach = first ? 0.0f : choice.radius * params_.accuracy / footprint(pixel),
                     .first = first};
@@ -222,6 +237,8 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
         placed_.push_back({std::move(gathered[i]), pixel, footprint(pixel)});
         Record& record = placed_.back().gathered.record;
         record.radius = clampedRadius(placed_.back());
+        record.material = static_cast<float>(classes_.materials.pixels[static_cast<size_t>(pixel)]);
+        setMissed(placed_.back().gathered, pixel);
         placed_.back().outgoing = predictedOutgoing(placed_.back().gathered, pixel);
         heedNeighbours(placed_.size() - 1);
         clampNeighbours(placed_.size() - 1);
@@ -271,6 +288,19 @@ float Placer::hessianRadius(const GatheredRecord& g, float image_height) const {
         reach = std::min(reach, std::cbrt(tolerated * image_height / relative));
     }
     return reach / params_.accuracy;
+}
+
+// What the lobe of the record's own pixel sees more than the record says by its coefficients, or,
+// of the diffuse class, by its irradiance.
+void Placer::setMissed(GatheredRecord& g, int pixel) const {
+    if (!(g.lobe_texels > 0.0f)) {
+        return;
+    }
+    const vec3 said = lobeLight(gbuffer_, classes_, lobes_, g.record, g.sh.data(), pixel);
+    const vec3 missed = g.lobe_light - said;
+    g.record.missed_r = missed.x;
+    g.record.missed_g = missed.y;
+    g.record.missed_b = missed.z;
 }
 
 float Placer::predictedOutgoing(const GatheredRecord& g, int pixel) const {
@@ -459,14 +489,31 @@ float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
     const auto i = static_cast<size_t>(pixel);
     const vec3 p(gbuffer.position.pixels[i]);
     const vec3 irradiance = shared::recordIrradiance(record, p, vec3(gbuffer.normal.pixels[i]));
-    const int order = classes.orders.pixels[i];
-    if (order == shared::DIFFUSE_ORDER) {
+    const vec3 albedo = specularAlbedo(gbuffer, pixel);
+    const bool rays_alone =
+        classes.by_rays.pixels[i] != 0 && classes.orders.pixels[i] == shared::DIFFUSE_ORDER;
+    if (classes.irradiance_only || rays_alone || albedo == vec3(0.0f)) {
         return luminance(irradiance);
     }
-    const shared::ShVector lobe = lobes.at(pixel, order);
-    const vec3 specular = glm::max(convolveRecord(record, sh, lobe.c, order, p), vec3(0.0f));
+    vec3 light = lobeLight(gbuffer, classes, lobes, record, sh, pixel);
+    if (static_cast<int>(record.material) == classes.materials.pixels[i]) {
+        light += shared::recordMissed(record);
+    }
     return luminance(vec3(gbuffer.diffuse.pixels[i]) * irradiance / kPi +
-                     lobes.scale.pixels[i] * specular);
+                     albedo * glm::max(light, vec3(0.0f)));
+}
+
+vec3 lobeLight(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
+               const Record& record, const float* sh, int pixel) {
+    const auto i = static_cast<size_t>(pixel);
+    const vec3 p(gbuffer.position.pixels[i]);
+    const int order = classes.orders.pixels[i];
+    if (order == shared::DIFFUSE_ORDER) {
+        return shared::recordIrradiance(record, p, vec3(gbuffer.normal.pixels[i])) / kPi;
+    }
+    const shared::ShVector lobe = lobes.at(pixel, order);
+    return lobes.scale.pixels[i] * convolveRecord(record, sh, lobe.c, order, p) /
+           glm::max(specularAlbedo(gbuffer, pixel), vec3(1e-12f));
 }
 
 PixelRect slabBounds(const View& view, int width, int height, const vec3& center, float radius,

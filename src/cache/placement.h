@@ -71,6 +71,11 @@ Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelCl
 float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
                         const PixelLobes& lobes, const Record& record, const float* sh, int pixel);
 
+/// The mean of the light that a pixel's lobe sees, by a record's coefficients or, of the diffuse
+/// class, by its irradiance; what it missed at its own pixel not added.
+vec3 lobeLight(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
+               const Record& record, const float* sh, int pixel);
+
 /// Rectangle of pixels [x0, x1) x [y0, y1).
 struct PixelRect {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;

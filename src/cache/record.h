@@ -25,6 +25,15 @@ struct Contrast {
     float strength = 0;
 };
 
+/// The specular lobe of a surface seen from somewhere; f90 and f0 are 0 where there is none.
+struct SpecularLobe {
+    float alpha = 1;
+    float f0 = 0;  ///< mean of the channels
+    float f90 = 0;
+
+    bool any() const { return f0 > 0.0f || f90 > 0.0f; }
+};
+
 /// A point where light is to be gathered.
 struct RecordSite {
     vec3 position{};
@@ -32,7 +41,8 @@ struct RecordSite {
     vec3 geometric_normal{};  ///< on the same side
     vec3 toward_viewer{};     ///< unit, to whoever sees the site; zero where no one does
     int order = shared::DIFFUSE_ORDER;
-    float reach = 0;  ///< that its record will most likely have, in pixels; 0: not known
+    SpecularLobe lobe = {};  ///< toward the viewer, where what it sees is wanted
+    float reach = 0;         ///< that its record will most likely have, in pixels; 0: not known
     std::vector<Contrast> contrasts = {};  ///< what records nearby found: where to look closer
     bool first = false;                    ///< of the first grid: few have records nearby
 };
@@ -65,6 +75,11 @@ struct GatheredRecord {
     std::vector<float> sh;  ///< ShLayout; empty for a diffuse record
     /// Greatest second derivative, in magnitude, of the irradiance's luminance along the surface.
     float curvature = 0;
+    /// The mean of the light that the site's lobe sees, by the texels themselves; of the site's
+    /// lobe, if any.
+    vec3 lobe_light{};
+    float lobe_texels =
+        0;  ///< so many texels count in that mean: (sum of weights)^2 / sum of squares
     std::vector<Contrast> contrasts = {};  ///< the strongest, for records to come
 };
 

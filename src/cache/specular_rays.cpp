@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cache/record.h"
+#include "cache/lobes.h"
 #include "core/parallel.h"
 #include "rays/jitter.h"
 #include "scene/brdf_albedo.h"
@@ -32,13 +32,6 @@ struct Lobe {
           wo(glm::normalize(gbuffer.view.origin - position)),
           alpha(shared::alphaFromRoughness(gbuffer.normal.at(at.x, at.y).w)) {}
 };
-
-// What the lobe reflects of constant light.
-vec3 specularAlbedo(const GBuffer& gbuffer, const ivec2& at) {
-    const Lobe lobe(gbuffer, at);
-    const vec2 ab = brdfAlbedo(glm::dot(lobe.n, lobe.wo), gbuffer.normal.at(at.x, at.y).w);
-    return vec3(gbuffer.f0.at(at.x, at.y)) * ab.x + vec3(gbuffer.diffuse.at(at.x, at.y).w * ab.y);
-}
 
 // What a pixel sees by this share of the usual rays, when `sharing` pixels share them. A ray sees
 // highlights as wide as the cone it stands for: where that is counted too wide, mirrored highlights
@@ -240,7 +233,7 @@ Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells
             return;
         }
         // Their noise shows by the lobe's share of what a pixel reflects: so do their rays [Ney34].
-        const float specular = luminance(specularAlbedo(gbuffer, {x, y}));
+        const float specular = luminance(specularAlbedo(gbuffer, y * gbuffer.width + x));
         const float all = specular + luminance(vec3(gbuffer.diffuse.at(x, y)));
         const float share = specular / std::max(all, 1e-12f);
         seen.at(x, y) = see(rays, cells, gbuffer, {x, y}, share, sharing, params);
@@ -254,7 +247,7 @@ Image<vec3> reflectSpecular(const Scene& scene, const GBuffer& gbuffer, const Pi
     Image<vec3> albedos(gbuffer.width, gbuffer.height);
     Image<vec3> light(gbuffer.width, gbuffer.height);
     forEachByRays(classes, [&](int x, int y) {
-        const vec3 albedo = specularAlbedo(gbuffer, {x, y});
+        const vec3 albedo = specularAlbedo(gbuffer, y * gbuffer.width + x);
         albedos.at(x, y) = albedo;
         light.at(x, y) = seen.at(x, y).light - cached.at(x, y) / glm::max(albedo, vec3(1e-12f));
     });

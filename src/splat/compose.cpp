@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "scene/brdf_albedo.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -12,20 +11,28 @@ bool finite(const vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// By the records; their weights must have a sum above zero.
-vec3 specularAt(const PixelLobes& lobes, const SplatBuffer& splat, int x, int y) {
-    return lobes.scale.at(x, y) * vec3(splat.specular.at(x, y)) / splat.irradiance.at(x, y).w;
+// By the records; their weights must have a sum above zero. In the diffuse class the lobe acts as a
+// cosine of the same albedo, but for what that misses.
+vec3 specularAt(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
+                const SplatBuffer& splat, int x, int y) {
+    const vec3 albedo = specularAlbedo(gbuffer, y * gbuffer.width + x);
+    const vec4& sum = splat.irradiance.at(x, y);
+    const vec3 said = classes.orders.at(x, y) > shared::DIFFUSE_ORDER
+                          ? lobes.scale.at(x, y) * vec3(splat.specular.at(x, y)) / sum.w
+                          : albedo * vec3(sum) / (kPi * sum.w);
+    const vec4& missed = splat.missed.at(x, y);
+    return missed.w > 0.0f ? said + albedo * vec3(missed) / missed.w : said;
 }
 
 }  // namespace
 
-Image<vec3> cachedSpecular(const PixelClasses& classes, const PixelLobes& lobes,
-                           const SplatBuffer& splat) {
+Image<vec3> cachedSpecular(const GBuffer& gbuffer, const PixelClasses& classes,
+                           const PixelLobes& lobes, const SplatBuffer& splat) {
     Image<vec3> specular(classes.orders.width, classes.orders.height);
     for (int y = 0; y < specular.height; ++y) {
         for (int x = 0; x < specular.width; ++x) {
             if (classes.isCorrected(x, y) && splat.irradiance.at(x, y).w > 0.0f) {
-                specular.at(x, y) = specularAt(lobes, splat, x, y);
+                specular.at(x, y) = specularAt(gbuffer, classes, lobes, splat, x, y);
             }
         }
     }
@@ -73,14 +80,8 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
             vec3 specular(0.0f);
             if (classes.by_rays.at(x, y) != 0) {
                 specular = by_rays.at(x, y);
-            } else if (classes.orders.at(x, y) > shared::DIFFUSE_ORDER) {
-                specular = specularAt(lobes, splat, x, y);
             } else if (!irradiance_only) {
-                // The diffuse class: the lobe acts as a cosine of the same albedo.
-                const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(position));
-                const vec2 ab = brdfAlbedo(glm::dot(vec3(normal), wo), normal.w);
-                specular =
-                    (vec3(gbuffer.f0.at(x, y)) * ab.x + vec3(diffuse.w * ab.y)) * irradiance / kPi;
+                specular = specularAt(gbuffer, classes, lobes, splat, x, y);
             }
             vec3 diffuse_part = vec3(diffuse) * irradiance / kPi;
             if (!finite(diffuse_part) || !finite(specular)) {

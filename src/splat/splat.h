@@ -19,6 +19,8 @@ namespace sheen {
 struct SplatBuffer {
     Image<vec4> irradiance;  ///< weight * irradiance; w: sum of weights
     Image<vec4> specular;    ///< weight * lobe convolved, before PixelLobes::scale; w: unused
+    /// Over the records on the pixel's own material: weight * recordMissed(), sum of weights.
+    Image<vec4> missed;
 };
 
 /// Environment error where OpenGL's limits are too small for splatGpu() with these lobes: to be
@@ -34,8 +36,8 @@ SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const 
                      const RecordCache& cache, const WeightParams& weight);
 
 /// What the lobes of pixels that rays correct reflect by the records alone; black elsewhere.
-Image<vec3> cachedSpecular(const PixelClasses& classes, const PixelLobes& lobes,
-                           const SplatBuffer& splat);
+Image<vec3> cachedSpecular(const GBuffer& gbuffer, const PixelClasses& classes,
+                           const PixelLobes& lobes, const SplatBuffer& splat);
 
 /// How many records serve each pixel.
 Image<float> countRecords(const GBuffer& gbuffer, const PixelClasses& classes,

@@ -5,6 +5,7 @@ namespace sheen {
 SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
                      const RecordCache& cache, const WeightParams& weight) {
     SplatBuffer result{Image<vec4>(gbuffer.width, gbuffer.height),
+                       Image<vec4>(gbuffer.width, gbuffer.height),
                        Image<vec4>(gbuffer.width, gbuffer.height)};
     parallelFor(gbuffer.height, [&](int y) {
         for (int x = 0; x < gbuffer.width; ++x) {
@@ -25,6 +26,9 @@ SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const 
                     continue;
                 }
                 result.irradiance.at(x, y) += vec4(w * shared::recordIrradiance(k, p, n), w);
+                if (static_cast<int>(k.material) == classes.materials.at(x, y)) {
+                    result.missed.at(x, y) += vec4(w * shared::recordMissed(k), w);
+                }
                 if (order > shared::DIFFUSE_ORDER) {
                     const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
                     result.specular.at(x, y) +=

@@ -39,10 +39,11 @@ struct Pass {
     std::function<void(const Record&, vec4*)> fill;
 };
 
-Pass irradiancePass() {
+Pass irradiancePass(bool missed) {
     constexpr int kRecordValues = sizeof(Record) / sizeof(vec4);
     return {.fragment = "splat/irradiance.frag",
-            .defines = {fmt::format("VALUES {}", kRecordValues)},
+            .defines = {fmt::format("VALUES {}", kRecordValues),
+                        fmt::format("MISSED {}", missed ? 1 : 0)},
             .least_order = shared::DIFFUSE_ORDER,
             .values = kRecordValues,
             .fill = [](const Record& k, vec4* to) { std::memcpy(to, &k, sizeof(Record)); }};
@@ -164,23 +165,30 @@ Image<uvec4> packNormals(const GBuffer& gbuffer, const PixelLobes& lobes) {
     return packed;
 }
 
-// A sum to splat into, with the pixels' classes as its depths.
+// Sums to splat into, with the pixels' classes as their depths.
 struct Target {
-    gl::Texture sum;
+    std::vector<gl::Texture> sums;
     gl::Texture depth;
     gl::Framebuffer framebuffer;
 
-    Target(int width, int height)
-        : sum(gl::makeTexture2d(GL_RGBA32F, width, height)),
-          depth(gl::makeTexture2d(GL_DEPTH_COMPONENT32F, width, height)) {
-        const GLuint colors[] = {sum.name()};
+    Target(int width, int height, int count)
+        : depth(gl::makeTexture2d(GL_DEPTH_COMPONENT32F, width, height)) {
+        std::vector<GLuint> colors;
+        for (int i = 0; i < count; ++i) {
+            sums.push_back(gl::makeTexture2d(GL_RGBA32F, width, height));
+            colors.push_back(sums.back().name());
+        }
         framebuffer = gl::makeFramebuffer(colors, depth.name());
         const float zero[4] = {};
-        gl::glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, 0, zero);
+        for (int i = 0; i < count; ++i) {
+            gl::glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, i, zero);
+        }
     }
 
-    void read(Image<vec4>& image) const {
+    void read(int sum, Image<vec4>& image) const {
         using namespace gl;
+        glNamedFramebufferReadBuffer(framebuffer.name(),
+                                     GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(sum));
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
         glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_FLOAT, image.pixels.data());
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
@@ -229,13 +237,17 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
     using namespace gl;
     const int width = gbuffer.width;
     const int height = gbuffer.height;
-    SplatBuffer result{Image<vec4>(width, height), Image<vec4>(width, height)};
+    SplatBuffer result{Image<vec4>(width, height), Image<vec4>(width, height),
+                       Image<vec4>(width, height)};
     if (cache.records.empty()) {
         return result;
     }
     const std::vector<int>& orders = classes.orders.pixels;
     const int greatest_order = *std::max_element(orders.begin(), orders.end());
-    std::vector<Pass> passes = {irradiancePass()};
+    const bool missed =
+        std::any_of(cache.records.begin(), cache.records.end(),
+                    [](const Record& k) { return shared::recordMissed(k) != vec3(0.0f); });
+    std::vector<Pass> passes = {irradiancePass(missed)};
     for (int i = 0;
          greatest_order > shared::DIFFUSE_ORDER && i < shared::lobeGroups(greatest_order); ++i) {
         passes.push_back(specularPass(cache, i));
@@ -257,8 +269,12 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         bind(0, position_texture, GL_RGBA32F);
         bind(1, normal_texture, GL_RGBA32UI);
         bind(2, lobe_texture, GL_RGBA32I);
-        const Target irradiance(width, height);
-        const Target specular(width, height);
+        const gl::Texture material_texture = makeTexture2d(GL_R32I, width, height);
+        glTextureSubImage2D(material_texture.name(), 0, 0, 0, width, height, GL_RED_INTEGER, GL_INT,
+                            classes.materials.pixels.data());
+        bind(3, material_texture, GL_R32I);
+        const Target irradiance(width, height, missed ? 2 : 1);
+        const Target specular(width, height, 1);
         const VertexArray empty = makeVertexArray();
         glBindVertexArray(empty.name());
         glViewport(0, 0, width, height);
@@ -281,8 +297,11 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         glDepthMask(GL_TRUE);
         glDisable(GL_DEPTH_TEST);
         glDisable(GL_BLEND);
-        irradiance.read(result.irradiance);
-        specular.read(result.specular);
+        irradiance.read(0, result.irradiance);
+        if (missed) {
+            irradiance.read(1, result.missed);
+        }
+        specular.read(0, result.specular);
     });
     return result;
 }
