@@ -29,14 +29,13 @@ struct Measured {
 };
 void PrintTo(const Measured& row, std::ostream* out) { *out << row.scene; }
 
-// Bounds are the figures measured, times a margin for chance: where records lie. Accuracies within
-// 3% of the default change rel_rmse by up to 5% and the worst tile by up to 12%, those within 10%
-// of the coarse one by up to 25% and 34%. A bias may have either sign.
+// Bounds are the figures measured and a margin for chance: where records lie. Accuracies within 3%
+// of the default change rel_rmse by up to 6%, the bias by 0.1% and the worst tile by 12%, those
+// within 10% of the coarse one by up to 25%, 0.4% and 34%.
 struct Margin {
-    double rel_rmse, tile_max;
+    double rel_rmse, bias, tile_max;  // factors; bias: percent of the image on top, either sign
 };
-constexpr Margin kDefaultMargin{1.15, 1.25}, kCoarseMargin{1.3, 1.4};
-constexpr double kBiasMargin = 0.25;  // percent of the image, on top
+constexpr Margin kDefaultMargin{1.15, 0.2, 1.25}, kCoarseMargin{1.3, 0.5, 1.4};
 
 std::string referenceName(const Measured& row) {
     return *row.camera == '\0' ? row.scene : fmt::format("{}_{}", row.scene, row.camera);
@@ -86,7 +85,7 @@ TEST_P(Accuracy, IsNotWorseThanItWas) {
     EXPECT_LE(c.excluded, kMostExcluded * truth.width * truth.height);
     const Margin& margin = row.accuracy == kCoarse ? kCoarseMargin : kDefaultMargin;
     EXPECT_LE(100.0 * c.rel_rmse, margin.rel_rmse * row.rel_rmse);
-    EXPECT_LE(100.0 * std::abs(c.bias), std::abs(row.bias) + kBiasMargin);
+    EXPECT_LE(100.0 * std::abs(c.bias), std::abs(row.bias) + margin.bias);
     EXPECT_LE(100.0 * c.tile_max, margin.tile_max * row.tile_max)
         << "the worst tile's corner is " << c.worst_tile.x << ", " << c.worst_tile.y;
 }
@@ -102,8 +101,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Accuracy,
                                          Measured{"cornell_glossy", "", kCoarse, 7.35, 0.30, 11.3},
                                          Measured{"venus_glossy", "", kDefault, 1.39, 0.17, 4.6},
                                          Measured{"venus_glossy", "", kCoarse, 4.07, 0.40, 8.1},
-                                         Measured{"atrium", "", kDefault, 2.92, -0.17, 4.3},
-                                         Measured{"atrium", "", kCoarse, 8.02, 0.34, 13.7}),
+                                         Measured{"atrium", "", kDefault, 2.71, -0.03, 5.7},
+                                         Measured{"atrium", "", kCoarse, 8.16, 0.47, 14.2}),
                          testName);
 
 // Wrong as they are: dielectric floors at grazing angles, polished ones, and rough ones before a
