@@ -12,6 +12,7 @@ Model cornellDiffuse();
 Model cornellGlossy();
 Model venusGlossy();
 Model atrium();
+Model corridor();
 Model furnace();
 Model sphereRoom();
 

@@ -55,7 +55,7 @@ TEST_P(TracedDirect, IsTheReferencesButForEdges) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, TracedDirect,
                          testing::Values("cornell_diffuse", "cornell_glossy", "venus_glossy",
-                                         "atrium"),
+                                         "atrium", "corridor"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(TracedDirect, BlackWithoutLightsOrGeometry) {

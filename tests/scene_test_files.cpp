@@ -30,6 +30,7 @@ const std::map<std::string, Expected> kExpected = {
     {"atrium.glb", {0x7c5bc9b6cd705e8bu, 66000, 80000, 2}},
     {"cornell_diffuse.glb", {0x1248a38ae7cf0d20u, 30, 30, 1}},
     {"cornell_glossy.glb", {0x2f9a97660af6509au, 30, 30, 1}},
+    {"corridor.glb", {0xaadc1157dab7a341u, 80, 80, 5}},
     {"furnace.glb", {0x73d5882510290dd1u, 20492, 20492, 0}},
     {"sphere_room.glb", {0xcd00d35897d7de3cu, 20480, 20480, 1}},
     {"venus_glossy.glb", {0xa522fe1e1b2b3a63u, 22000, 26000, 2}},

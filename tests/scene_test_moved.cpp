@@ -34,6 +34,7 @@ const std::map<std::string, std::array<uint64_t, kSeeds>> kHashes = {
     {"cornell_glossy.glb", {0x89c792907850d412u, 0xdfbf87af8666cacau, 0x3718249082766897u}},
     {"venus_glossy.glb", {0x335ca7c2327d0c28u, 0xd71eed5adec42728u, 0x5859a6bae020eb94u}},
     {"atrium.glb", {0xf293c6b0639472e5u, 0xdb9b466390be0b36u, 0x608e5f2461de30cfu}},
+    {"corridor.glb", {0xc6d174af378a90d9u, 0x06d1d0570cea7ef9u, 0x4d28118de8b9bfd2u}},
 };
 
 Scene load(const std::vector<uint8_t>& bytes) {
