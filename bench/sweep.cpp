@@ -52,8 +52,7 @@ const std::map<std::string, Setter> kSetters = {
                   float v) { p.gather_road = v > 0 ? GatherRoad::kRaster : GatherRoad::kRays; }},
     {"rays_per_alpha", [](RenderParams& p, float v) { p.specular.rays_per_alpha = v; }},
     {"max_rays", [](RenderParams& p, float v) { p.specular.max_rays = static_cast<int>(v); }},
-    {"window", [](RenderParams& p, float v) { p.specular.window = static_cast<int>(v); }},
-    {"lobe_overlap", [](RenderParams& p, float v) { p.specular.overlap = v; }},
+    {"window", [](RenderParams& p, float v) { p.specular.window = v; }},
     {"threads", [](RenderParams&, float v) { setThreadCount(static_cast<int>(v)); }},
 };
 

@@ -1,6 +1,5 @@
 // Specular light of pixels whose lobes spherical harmonics do not follow: rays of their own correct
-// what their records say or, where they are too glossy for the cache, say all of it. Pixels share
-// what their rays saw.
+// what their records say or, where they are too glossy for the cache, say all of it. Noise is filtered.
 #pragma once
 
 #include "cache/classes.h"
@@ -15,16 +14,15 @@ namespace sheen {
 struct SpecularParams {
     float rays_per_alpha = 1920;  ///< a pixel's rays by its lobe's width, in whole packets
     int max_rays = 192;           ///< a pixel
-    int window = 6;               ///< pixels farther away share no rays, in x or y; 0: none do
-    /// Nor, where rays say all, lobes whose axes are microfacet slopes of so many alpha apart.
-    float overlap = 0.25f;
+    float window = 2;             ///< typical deviation of the windows that share corrected pixels'
+                                  ///< rays, in pixels: rays see highlights as wide as all of them do
 };
 
-/// What the lobe of a pixel sees by rays of its own.
+/// What the lobe of a pixel sees by two halves of its rays, over the lobe's albedo.
 struct SpecularSeen {
-    vec3 light{};        ///< the lobe's mean of what arrives: one for constant light of one
-    float nearness = 0;  ///< mean of one over the distance it comes from; 0: no ray met anything
-    vec3 mirrored{};     ///< where it comes from: the direction that mirrors the viewer's
+    vec3 light[2] = {};   ///< mean of the rays' weights times what they see
+    vec3 weight[2] = {};  ///< mean of the weights: about one
+    float nearness = 0;   ///< mean of one over the distance it comes from; 0: no ray met anything
 };
 
 /// What the lobes of the pixels in PixelClasses::by_rays see of indirect light. Rays follow the
@@ -35,11 +33,8 @@ Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells
                                   const SpecularParams& params);
 
 /// What these lobes reflect; black elsewhere. `cached`: by the records alone, as cachedSpecular()
-/// finds it, black where pixels are too glossy for the cache. To that of a corrected pixel the mean
-/// is added of what the rays see more than the records around it; too glossy ones take the mean of
-/// what those see whose lobes overlap.
-Image<vec3> reflectSpecular(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                            const Image<SpecularSeen>& seen, const Image<vec3>& cached,
-                            const SpecularParams& params);
+/// finds it; of pixels too glossy for the cache it is not asked.
+Image<vec3> reflectSpecular(const GBuffer& gbuffer, const PixelClasses& classes,
+                            const Image<SpecularSeen>& seen, const Image<vec3>& cached);
 
 }  // namespace sheen

@@ -200,9 +200,8 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
     const Timer compose_timer;
     Image<vec3> specular;  // of pixels that rays see; none in many scenes
     if (!stage.specular.pixels.empty()) {
-        specular = reflectSpecular(scene, stage.gbuffer, stage.classes, stage.specular,
-                                   cachedSpecular(stage.gbuffer, stage.classes, stage.lobes, splat),
-                                   params.specular);
+        specular = reflectSpecular(stage.gbuffer, stage.classes, stage.specular,
+                                   cachedSpecular(stage.gbuffer, stage.classes, stage.lobes, splat));
     }
     const ComposeCounts counts = compose(stage.gbuffer, stage.classes, stage.lobes, splat, specular,
                                          irradiance_only, result.frame);
