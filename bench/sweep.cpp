@@ -154,10 +154,11 @@ void sweep(const std::vector<std::string>& arguments) {
     fmt::print(
         "records {:6d}  cpu {:6.2f} s  wall {:6.2f} s  gather {:6.2f} s | rel_rmse {:.2f}%  bias "
         "{:+.2f}%  median {:.2f}%  p99 {:.1f}%  tile_max {:.1f}%  noise_share {:.2f}  est "
-        "{:.2f}%\n",
+        "{:.2f}% ({:.2f} to {:.2f}%)\n",
         result.stats.records, cpu, wall, result.stats.seconds.gather, 100 * c.rel_rmse,
         100 * c.bias, 100 * c.median, 100 * c.p99, 100 * c.tile_max, c.noise_share,
-        100 * result.stats.estimated_rel_rmse);
+        100 * result.stats.estimated_rel_rmse, 100 * result.stats.estimate_low,
+        100 * result.stats.estimate_high);
 }
 
 }  // namespace

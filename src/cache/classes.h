@@ -43,6 +43,11 @@ struct PixelClasses {
     bool isCorrected(int x, int y) const {
         return by_rays.at(x, y) != 0 && orders.at(x, y) > shared::DIFFUSE_ORDER;
     }
+    /// Whether rays say all of a pixel's specular light.
+    bool isTooGlossy(int pixel) const {
+        const auto i = static_cast<size_t>(pixel);
+        return by_rays.pixels[i] != 0 && orders.pixels[i] == shared::DIFFUSE_ORDER;
+    }
     bool anyByRays() const {
         return std::any_of(by_rays.pixels.begin(), by_rays.pixels.end(),
                            [](uint8_t by_ray) { return by_ray != 0; });

@@ -15,9 +15,10 @@ constexpr double kMedianWeight = 0.5;
 
 }  // namespace
 
-double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                       const Placement& placement, const WeightParams& weight,
-                       const Image<vec3>& indirect) {
+NeighbourErrors neighbourErrors(const GBuffer& gbuffer, const PixelClasses& classes,
+                                const PixelLobes& lobes, const Placement& placement,
+                                const WeightParams& weight, const Image<vec3>& indirect) {
+    NeighbourErrors errors{.squares = Image<float>(gbuffer.width, gbuffer.height)};
     const std::vector<Record>& records = placement.cache.records;
     constexpr int kNone = -1;
     Image<int> hosted(gbuffer.width, gbuffer.height, kNone);
@@ -59,7 +60,8 @@ double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, cons
         known.push_back(error2[k]);
     }
     if (known.empty() && !records.empty()) {
-        return kInfinity;
+        errors.rel_rmse = kInfinity;
+        return errors;
     }
     // Neighbours at the end of their reach, on the other side of an edge, predict what the image
     // never shows; records that no other reaches, rims a pixel wide, are right where they lie.
@@ -72,11 +74,7 @@ double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, cons
                 (weights[k] * error2[k] + kMedianWeight * *middle) / (weights[k] + kMedianWeight);
         }
     }
-    // The image's sums are over one pixel of four: as many as are needed.
-    const auto counts = [&](size_t pixel) {
-        const auto width = static_cast<size_t>(gbuffer.width);
-        return ((pixel % width | pixel / width) & 1) == 0;
-    };
+    const auto counts = [&](size_t pixel) { return isJudged(pixel, gbuffer.width); };
     Image<double> sums(gbuffer.width, gbuffer.height);
     Image<double> variances(gbuffer.width, gbuffer.height);
     for (size_t k = 0; k < records.size(); ++k) {
@@ -98,11 +96,15 @@ double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, cons
             mean += light;
             count += 1.0;
             if (sum > 0.0) {
-                squares += variances.at(x, y) / (sum * sum) * light * light;
+                const double square =
+                    kCalibration * kCalibration * variances.at(x, y) / (sum * sum) * light * light;
+                squares += square;
+                errors.squares.at(x, y) = static_cast<float>(square);
             }
         }
     }
-    return mean > 0.0 ? kCalibration * std::sqrt(squares * count) / mean : 0.0;
+    errors.rel_rmse = mean > 0.0 ? std::sqrt(squares * count) / mean : 0.0;
+    return errors;
 }
 
 }  // namespace sheen

@@ -5,14 +5,28 @@
 
 namespace sheen {
 
-/// Estimate of the rel_rmse of an indirect image (docs/metrics.md) from leave-one-out predictions:
-/// at each record's own pixel, what the records around it say without it, against what it found
+/// How wrong an indirect image is by leave-one-out predictions.
+struct NeighbourErrors {
+    /// Of the whole image (docs/metrics.md). 0 without records; infinite where none of them serves
+    /// another's pixel: then nothing is known.
+    double rel_rmse = 0;
+    /// Of the pixels of every second row and column: the squared error of their luminance that is
+    /// expected; 0 of the others, and where nothing is known.
+    Image<float> squares;
+};
+
+/// Whether a pixel is among those whose errors are expected: as many as are needed.
+inline bool isJudged(size_t pixel, int width) {
+    const auto w = static_cast<size_t>(width);
+    return ((pixel % w | pixel / w) & 1) == 0;
+}
+
+/// At each record's own pixel: what the records around it say without it, against what it found
 /// itself, as a share of the light there; where few records reach, the less known, the more the
 /// median record's. At a pixel such errors add up as independent ones, by the records' weights.
-/// What all records get wrong alike is not seen. 0 without records;
-/// infinity where none of them serves another's pixel: then nothing is known.
-double estimateRelRmse(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                       const Placement& placement, const WeightParams& weight,
-                       const Image<vec3>& indirect);
+/// What all records get wrong alike is not seen: see probes.h.
+NeighbourErrors neighbourErrors(const GBuffer& gbuffer, const PixelClasses& classes,
+                                const PixelLobes& lobes, const Placement& placement,
+                                const WeightParams& weight, const Image<vec3>& indirect);
 
 }  // namespace sheen

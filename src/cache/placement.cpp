@@ -68,19 +68,6 @@ class Placer {
     float footprint(int i) const {
         return gbuffer_.position.pixels[static_cast<size_t>(i)].w * gbuffer_.pixel_angle;
     }
-    // Of pixels whose specular light records tell.
-    SpecularLobe lobe(int i) const {
-        const auto pixel = static_cast<size_t>(i);
-        const bool rays_alone =
-            classes_.by_rays.pixels[pixel] != 0 && order(i) == shared::DIFFUSE_ORDER;
-        if (classes_.irradiance_only || rays_alone) {
-            return {};
-        }
-        const vec3 f0(gbuffer_.f0.pixels[pixel]);
-        return {.alpha = shared::alphaFromRoughness(gbuffer_.normal.pixels[pixel].w),
-                .f0 = (f0.x + f0.y + f0.z) / 3.0f,
-                .f90 = gbuffer_.diffuse.pixels[pixel].w};
-    }
     int order(int i) const { return classes_.orders.pixels[static_cast<size_t>(i)]; }
     bool uncovered(int i) const {
         return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered;
@@ -116,7 +103,7 @@ class Placer {
     };
     Nearest nearestTo(const vec3& p) const;
     float predictedRadius(int pixel, size_t nearest) const;
-    RecordSite siteAt(const Choice& choice, bool first) const;
+    RecordSite siteOf(const Choice& choice, bool first) const;
     std::vector<Choice> chooseSites(int pixel, int stride) const;
     void place(const std::vector<Choice>& choices, bool first);
     float clampedRadius(const Placed& placed) const;
@@ -165,17 +152,12 @@ Placer::Nearest Placer::nearestTo(const vec3& p) const {
     return nearest;
 }
 
-RecordSite Placer::siteAt(const Choice& choice, bool first) const {
+RecordSite Placer::siteOf(const Choice& choice, bool first) const {
     const int pixel = choice.pixel;
-    RecordSite site{.position = position(pixel),
-                    .normal = normal(pixel),
-                    .geometric_normal = gbuffer_.geometricNormalAt(scene_, pixel),
-                    .toward_viewer = glm::normalize(gbuffer_.view.origin - position(pixel)),
-                    .order = order(pixel),
-                    .lobe = lobe(pixel),
-                    // Of the first nothing is known.
-                    .reach = first ? 0.0f : choice.radius * params_.accuracy / footprint(pixel),
-                    .first = first};
+    RecordSite site = siteAt(scene_, gbuffer_, classes_, pixel);
+    // Of the first nothing is known.
+    site.reach = first ? 0.0f : choice.radius * params_.accuracy / footprint(pixel);
+    site.first = first;
     for (size_t j : choice.nearest) {
         if (j != kNone) {
             const std::vector<Contrast>& found = placed_[j].gathered.contrasts;
@@ -228,7 +210,7 @@ std::vector<Placer::Choice> Placer::chooseSites(int pixel, int stride) const {
 void Placer::place(const std::vector<Choice>& choices, bool first) {
     std::vector<RecordSite> sites;
     for (const Choice& choice : choices) {
-        sites.push_back(siteAt(choice, first));
+        sites.push_back(siteOf(choice, first));
     }
     std::vector<GatheredRecord> gathered = gather_(sites);
     SHEEN_CHECK_EQ(gathered.size(), sites.size());
@@ -470,11 +452,31 @@ Placement Placer::run(bool quiet) {
         result_.cache.sh.insert(result_.cache.sh.end(), p.gathered.sh.begin(), p.gathered.sh.end());
         result_.cache.records.push_back(r);
         result_.pixels.push_back(p.pixel);
+        result_.contrasts.push_back(std::move(p.gathered.contrasts));
     }
     return std::move(result_);
 }
 
 }  // namespace
+
+RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
+                  int pixel) {
+    const auto i = static_cast<size_t>(pixel);
+    const vec3 position(gbuffer.position.pixels[i]);
+    const vec4& normal = gbuffer.normal.pixels[i];
+    RecordSite site{.position = position,
+                    .normal = vec3(normal),
+                    .geometric_normal = gbuffer.geometricNormalAt(scene, pixel),
+                    .toward_viewer = glm::normalize(gbuffer.view.origin - position),
+                    .order = classes.orders.pixels[i]};
+    if (!classes.irradiance_only && !classes.isTooGlossy(pixel)) {
+        const vec3 f0(gbuffer.f0.pixels[i]);
+        site.lobe = {.alpha = shared::alphaFromRoughness(normal.w),
+                     .f0 = (f0.x + f0.y + f0.z) / 3.0f,
+                     .f90 = gbuffer.diffuse.pixels[i].w};
+    }
+    return site;
+}
 
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
                        const PixelLobes& lobes, const PlacementParams& params,
@@ -490,9 +492,7 @@ float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
     const vec3 p(gbuffer.position.pixels[i]);
     const vec3 irradiance = shared::recordIrradiance(record, p, vec3(gbuffer.normal.pixels[i]));
     const vec3 albedo = specularAlbedo(gbuffer, pixel);
-    const bool rays_alone =
-        classes.by_rays.pixels[i] != 0 && classes.orders.pixels[i] == shared::DIFFUSE_ORDER;
-    if (classes.irradiance_only || rays_alone || albedo == vec3(0.0f)) {
+    if (classes.irradiance_only || classes.isTooGlossy(pixel) || albedo == vec3(0.0f)) {
         return luminance(irradiance);
     }
     vec3 light = lobeLight(gbuffer, classes, lobes, record, sh, pixel);

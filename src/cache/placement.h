@@ -52,9 +52,14 @@ using GatherFunction = std::function<std::vector<GatheredRecord>(std::span<const
 
 struct Placement {
     RecordCache cache;
-    std::vector<int> pixels;  ///< that the records lie at
+    std::vector<int> pixels;                       ///< that the records lie at
+    std::vector<std::vector<Contrast>> contrasts;  ///< that each record found
     int uncovered = 0;  ///< pixels with geometry that no record serves: 0 where numbers are sound
 };
+
+/// Where a pixel's light is to be gathered; of the records around it nothing is known yet.
+RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
+                  int pixel);
 
 /// Scans the image and gathers records where pixels are not served yet, until all are: first on a
 /// coarse grid, then on finer ones, row by row. Sites are chosen `batch` at a time, by predicted

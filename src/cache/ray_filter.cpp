@@ -15,8 +15,10 @@ struct Window {
     float slope;  // in alpha
 };
 // Deviations of the Gaussian windows, in pixels; 0: the pixel alone.
-constexpr std::array<Window, 7> kWindows = {Window{0.0f, 0.0f}, {0.0f, 1.0f}, {1.0f, kAnySlope}, {2.0f, kAnySlope}, {4.0f, kAnySlope}, {4.0f, 0.125f}, {4.0f, 0.25f}};
-constexpr int kFar = 8;        // the widest one ends here, and looks at every second pixel
+constexpr std::array<Window, 7> kWindows = {
+    Window{0.0f, 0.0f}, {0.0f, 1.0f},   {1.0f, kAnySlope}, {2.0f, kAnySlope},
+    {4.0f, kAnySlope},  {4.0f, 0.125f}, {4.0f, 0.25f}};
+constexpr int kFar = 8;         // the widest one ends here, and looks at every second pixel
 constexpr float kJudge = 4.0f;  // deviation of the window in which widths are judged
 constexpr int kBlend = 2;       // pixels over which one width passes into another
 // Pixels take no part across a step of more footprints than this off the tangent plane.
@@ -97,8 +99,8 @@ class Filter {
     }
 
     // By how many alpha the slope of the microfacet that would show, at `own`, what `at` mirrors
-    // differs from the surface's. Half vectors' slopes have GGX's width alpha however narrow grazing
-    // views make the lobe. What is mirrored lies at the distance found [Zhd21].
+    // differs from the surface's. Half vectors' slopes have GGX's width alpha however narrow
+    // grazing views make the lobe. What is mirrored lies at the distance found [Zhd21].
     float slope(const ivec2& own, const ivec2& at) const {
         const vec3 p(gbuffer_.position.at(own.x, own.y));
         const vec4 normal = gbuffer_.normal.at(own.x, own.y);
@@ -152,7 +154,9 @@ void fitAtZero(std::span<const Neighbour> around, vec3* fitted) {
     const mat3 variance = square / all - glm::outerProduct(mean, mean);
     vec3 scale(0.0f);
     for (int k = 0; k < 3; ++k) {
-        scale[k] = all * all > kLeastPixels * squares && variance[k][k] > 1e-4f * square[k][k] / all ? 1.0f / std::sqrt(variance[k][k]) : 0.0f;
+        scale[k] = all * all > kLeastPixels * squares && variance[k][k] > 1e-4f * square[k][k] / all
+                       ? 1.0f / std::sqrt(variance[k][k])
+                       : 0.0f;
     }
     mat3 correlation(0.0f);
     for (int k = 0; k < 3; ++k) {
@@ -191,7 +195,8 @@ void Filter::fit(size_t i) {
         if (w > 1 && !around.empty()) {
             for (size_t k = 0; k < around.size(); ++k) {
                 const float s = offsets[k].x / kWindows[w].slope;
-                around[k].weight = std::exp(-0.5f * (s * s + offsets[k].y / (kWindows[w].pixels * kWindows[w].pixels)));
+                around[k].weight = std::exp(
+                    -0.5f * (s * s + offsets[k].y / (kWindows[w].pixels * kWindows[w].pixels)));
             }
             fitAtZero(around, fitted);
         }
@@ -207,7 +212,8 @@ void Filter::fit(size_t i) {
 }
 
 size_t Filter::choose(const ivec2& own) const {
-    if (getenv("FW")) return static_cast<size_t>(atoi(getenv("FW")));
+    if (getenv("FW"))
+        return static_cast<size_t>(atoi(getenv("FW")));
     std::array<float, kWindows.size()> error2{};
     forAlike(own, kFar, 2, [&](const ivec2& d, const ivec2& at) {
         const Fits& fits = fits_[static_cast<size_t>(index_.at(at.x, at.y))];

@@ -25,8 +25,10 @@ class RayGatherer {
   public:
     /// A hemicube alone: rays go through a face's texels, and a border's stand for what lies
     /// beyond.
-    RayGatherer(const RayCaster& rays, const LightCells& cells, const HemisphereParams& params)
-        : rays_(rays), cells_(cells), params_(params) {
+    /// `gathered`: so many records count as gathered before; other numbers, other places of rays.
+    RayGatherer(const RayCaster& rays, const LightCells& cells, const HemisphereParams& params,
+                uint32_t gathered = 0)
+        : rays_(rays), cells_(cells), params_(params), gathered_(gathered) {
         SHEEN_CHECK(params.kind == HemisphereKind::kHemicube);
     }
 
@@ -56,7 +58,7 @@ class RayGatherer {
     const LightCells& cells_;
     HemisphereParams params_;
     std::map<int, Resolution> resolutions_;  // by texels along the side
-    uint32_t gathered_ = 0;
+    uint32_t gathered_;
     int64_t rays_cast_ = 0;
     GatherSeconds seconds_;
 };

@@ -15,10 +15,11 @@
 namespace sheen {
 namespace {
 
-// A row of samples is a packet of rays: a stratum of the one coordinate, and of the other all strata
-// for each half in turn, so that each half is spread as evenly as both.
+// A row of samples is a packet of rays: a stratum of the one coordinate, and of the other all
+// strata for each half in turn, so that each half is spread as evenly as both.
 constexpr int kRowSamples = RayCaster::kPacket;
 constexpr int kHalfSamples = kRowSamples / 2;
+constexpr uint32_t kMostSamples = 1u << 16u;  // of a pixel, more than there are
 
 struct Lobe {
     vec3 position, n, wo;
@@ -36,7 +37,8 @@ struct Lobe {
 // are blurred. Rays are weighted by the estimator of visible normals, F G2 / G1, whose mean is the
 // lobe's albedo.
 SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& gbuffer,
-                 const ivec2& at, float rays_share, float sharing, const SpecularParams& params) {
+                 const ivec2& at, float rays_share, float sharing, const SpecularParams& params,
+                 uint32_t sample = 0) {
     const Lobe lobe(gbuffer, at);
     const int i = at.y * gbuffer.width + at.x;
     const vec3 n_g = gbuffer.geometricNormalAt(rays.scene(), i);
@@ -60,7 +62,8 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
         size_t count = 0;
         for (int k = 0; k < kRowSamples; ++k) {
             const vec2 place =
-                randomPlace(static_cast<uint32_t>(i), static_cast<uint32_t>(row * kRowSamples + k));
+                randomPlace(static_cast<uint32_t>(i),
+                            kMostSamples * sample + static_cast<uint32_t>(row * kRowSamples + k));
             const vec2 u = (vec2(row, k / 2) + place) / vec2(rows, kHalfSamples);
             const vec3 h = sampleGgxVisibleNormal(wo_local, lobe.alpha, u);
             const float VoH = glm::dot(wo_local, h);
@@ -134,6 +137,15 @@ Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells
         seen.at(x, y) = see(rays, cells, gbuffer, {x, y}, share, sharing, params);
     });
     return seen;
+}
+
+vec3 seeAgain(const RayCaster& rays, const LightCells& cells, const GBuffer& gbuffer, int pixel,
+              float share, int sample, const SpecularParams& params) {
+    const ivec2 at(pixel % gbuffer.width, pixel / gbuffer.width);
+    const SpecularSeen seen =
+        see(rays, &cells, gbuffer, at, share, 1.0f, params, static_cast<uint32_t>(sample + 1));
+    return (seen.light[0] + seen.light[1]) /
+           glm::max(seen.weight[0] + seen.weight[1], vec3(1e-12f));
 }
 
 Image<vec3> reflectSpecular(const GBuffer& gbuffer, const PixelClasses& classes,

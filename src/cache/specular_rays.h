@@ -1,5 +1,6 @@
 // Specular light of pixels whose lobes spherical harmonics do not follow: rays of their own correct
-// what their records say or, where they are too glossy for the cache, say all of it. Noise is filtered.
+// what their records say or, where they are too glossy for the cache, say all of it. Noise is
+// filtered.
 #pragma once
 
 #include "cache/classes.h"
@@ -15,7 +16,7 @@ struct SpecularParams {
     float rays_per_alpha = 1920;  ///< a pixel's rays by its lobe's width, in whole packets
     int max_rays = 192;           ///< a pixel
     float window = 2;             ///< typical deviation of the windows that share corrected pixels'
-                                  ///< rays, in pixels: rays see highlights as wide as all of them do
+                       ///< rays, in pixels: rays see highlights as wide as all of them do
 };
 
 /// What the lobe of a pixel sees by two halves of its rays, over the lobe's albedo.
@@ -31,6 +32,11 @@ struct SpecularSeen {
 Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells,
                                   const GBuffer& gbuffer, const PixelClasses& classes,
                                   const SpecularParams& params);
+
+/// The mean of the light that a pixel's lobe sees by `share` times as many rays as usual, others
+/// than before for each `sample` from 0 on.
+vec3 seeAgain(const RayCaster& rays, const LightCells& cells, const GBuffer& gbuffer, int pixel,
+              float share, int sample, const SpecularParams& params);
 
 /// What these lobes reflect; black elsewhere. `cached`: by the records alone, as cachedSpecular()
 /// finds it; of pixels too glossy for the cache it is not asked.

@@ -10,6 +10,7 @@
 #include "cache/direct_rays.h"
 #include "cache/estimate.h"
 #include "cache/placement.h"
+#include "cache/probes.h"
 #include "cache/raster_gather.h"
 #include "cache/ray_gather.h"
 #include "core/parallel.h"
@@ -131,18 +132,13 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     seconds.gbuffer = gbuffer_timer.seconds();
 
     const Timer gather_timer;
-    const bool specular_rays = classes.anyByRays();
-    if (by_rays || specular_rays) {
-        rays.emplace(scene);
-    }
-    if (by_rays) {
-        cells.emplace(*rays);
-    } else {
+    rays.emplace(scene);
+    cells.emplace(*rays);
+    if (!by_rays) {
         lightSurfaces(pool, gpu);
     }
-    if (specular_rays) {
-        specular =
-            traceSpecular(*rays, cells ? &*cells : nullptr, gbuffer, classes, params.specular);
+    if (classes.anyByRays()) {
+        specular = traceSpecular(*rays, &*cells, gbuffer, classes, params.specular);
     }
     seconds.gather = gather_timer.seconds();
 
@@ -153,18 +149,54 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     }
 }
 
-// Places records with a gatherer of either kind, and adds how long each part took.
-template <class G>
-Placement placeWith(G gatherer, const Scene& scene, const Stage& stage,
-                    const PlacementParams& params, bool quiet, StageSeconds& seconds) {
-    const Timer timer;
-    Placement placement = placeRecords(
-        scene, stage.gbuffer, stage.classes, stage.lobes, params,
-        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, quiet);
-    seconds.gather += gatherer.seconds().see;
-    seconds.project += gatherer.seconds().project;
-    seconds.placement += timer.seconds() - gatherer.seconds().see - gatherer.seconds().project;
-    return placement;
+// A gatherer of either kind, for as long as a pass lasts.
+class PassGatherer {
+  public:
+    PassGatherer(const Scene& scene, Stage& stage, const RenderParams& params,
+                 const HemisphereParams& hemisphere) {
+        if (params.gather_road == GatherRoad::kRays) {
+            rays_.emplace(*stage.rays, *stage.cells, hemisphere);
+        } else {
+            raster_.emplace(stage.pool, scene, stage.gpu, hemisphere);
+        }
+    }
+    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) {
+        return rays_ ? rays_->gather(sites) : raster_->gather(sites);
+    }
+    GatherSeconds seconds() const { return rays_ ? rays_->seconds() : raster_->seconds(); }
+
+  private:
+    std::optional<RayGatherer> rays_;
+    std::optional<RasterGatherer> raster_;
+};
+
+// How wrong the image is: by the records, and by probes, which cast rays whatever road the records
+// took. Probes cost a twentieth of the records, up to what is enough.
+constexpr uint32_t kProbeSeed = 1u << 30u;  // more than there are records
+
+ErrorEstimate judge(const Scene& scene, const RenderParams& params, const Stage& stage,
+                    const Placement& placement, const WeightParams& weight,
+                    const HemisphereParams& hemisphere, const Image<vec3>& indirect) {
+    constexpr size_t kRecordsPerProbe = 40;
+    constexpr size_t kFewest = 32;
+    constexpr size_t kEnough = 400;
+    const NeighbourErrors errors =
+        neighbourErrors(stage.gbuffer, stage.classes, stage.lobes, placement, weight, indirect);
+    const size_t records = placement.cache.records.size();
+    std::vector<Probe> probes =
+        chooseProbes(errors, stage.classes, indirect,
+                     static_cast<int>(std::clamp(records / kRecordsPerProbe, kFewest, kEnough)));
+    HemisphereParams seen = hemisphere;
+    seen.kind = HemisphereKind::kHemicube;
+    if (params.gather_road != GatherRoad::kRays) {
+        seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
+    }
+    RayGatherer gatherer(*stage.rays, *stage.cells, seen, kProbeSeed);
+    gatherProbes(
+        scene, stage.gbuffer, stage.classes, placement,
+        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, *stage.rays,
+        *stage.cells, params.specular, probes);
+    return estimateError(errors, probes, stage.gbuffer, stage.classes, indirect);
 }
 
 // Along a crease each pixel gets a record of its own, however coarse the others are, until records
@@ -186,11 +218,15 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
         hemisphere.size = gatherSize(params.gather_road, accuracy);
     }
 
-    const Placement placement =
-        stage.cells ? placeWith(RayGatherer(*stage.rays, *stage.cells, hemisphere), scene, stage,
-                                how, params.quiet, seconds)
-                    : placeWith(RasterGatherer(stage.pool, scene, stage.gpu, hemisphere), scene,
-                                stage, how, params.quiet, seconds);
+    PassGatherer gatherer(scene, stage, params, hemisphere);
+    const Timer timer;
+    const Placement placement = placeRecords(
+        scene, stage.gbuffer, stage.classes, stage.lobes, how,
+        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, params.quiet);
+    const GatherSeconds gathered = gatherer.seconds();
+    seconds.gather += gathered.see;
+    seconds.project += gathered.project;
+    seconds.placement += timer.seconds() - gathered.see - gathered.project;
 
     const Timer splat_timer;
     const SplatBuffer splat = splatGpu(stage.pool, stage.gbuffer, stage.classes, stage.lobes,
@@ -200,14 +236,15 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
     const Timer compose_timer;
     Image<vec3> specular;  // of pixels that rays see; none in many scenes
     if (!stage.specular.pixels.empty()) {
-        specular = reflectSpecular(stage.gbuffer, stage.classes, stage.specular,
-                                   cachedSpecular(stage.gbuffer, stage.classes, stage.lobes, splat));
+        specular =
+            reflectSpecular(stage.gbuffer, stage.classes, stage.specular,
+                            cachedSpecular(stage.gbuffer, stage.classes, stage.lobes, splat));
     }
     const ComposeCounts counts = compose(stage.gbuffer, stage.classes, stage.lobes, splat, specular,
                                          irradiance_only, result.frame);
-    const double estimate =
-        estimateRelRmse(stage.gbuffer, stage.classes, stage.lobes, placement, how.servingWeight(),
-                        irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
+    const ErrorEstimate estimate =
+        judge(scene, params, stage, placement, how.servingWeight(), hemisphere,
+              irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
     if (params.all_layers) {
         result.frame.records =
             countRecords(stage.gbuffer, stage.classes, placement.cache, how.servingWeight());
@@ -216,7 +253,9 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
 
     RenderStats& stats = result.stats;
     stats.records = static_cast<int>(placement.cache.records.size());
-    stats.estimated_rel_rmse = estimate;
+    stats.estimated_rel_rmse = estimate.rel_rmse;
+    stats.estimate_low = estimate.low;
+    stats.estimate_high = estimate.high;
     stats.accuracy = accuracy;
     stats.gather_size = hemisphere.size;
     stats.passes += 1;
@@ -238,7 +277,7 @@ void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage
     double first_estimate = 0.0;
     for (float accuracy = kFirst;;) {
         renderPass(scene, params, accuracy, stage, result);
-        const double estimate = result.stats.estimated_rel_rmse;
+        const double estimate = result.stats.estimate_high;
         first_estimate = accuracy == kFirst ? estimate : first_estimate;
         const bool falls = accuracy == kFirst ||
                            estimate < first_estimate * std::pow(accuracy / kFirst, kLeastPower);

@@ -25,8 +25,8 @@ struct RenderParams {
     // The cached methods; of these the octree heeds the accuracy and, as rings of rays,
     // gather.size.
     PlacementParams placement{.min_pixels = 0.0f};  ///< min_pixels 0: by the accuracy
-    /// Above 0: the accuracy is lowered from 1, in several passes, until the image's error is
-    /// estimated to be at most this; placement.accuracy is not used.
+    /// Above 0: the accuracy is lowered from 1, in several passes, until the image's error is at
+    /// most this by the upper end of its estimate; placement.accuracy is not used.
     double target_error = 0;
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;
@@ -61,9 +61,11 @@ struct RenderStats {
     int pixels_uncovered = 0;  ///< of these, without any record
     int nonfinite_pixels = 0;
     int negative_pixels = 0;  ///< clamped at compose
-    /// Of the indirect layer, as the records tell (estimateRelRmse()); 0 but for Sheen's own
+    /// Of the indirect layer, as records and probes tell (estimateError()); 0 but for Sheen's own
     /// methods.
     double estimated_rel_rmse = 0;
+    double estimate_low = 0;
+    double estimate_high = 0;
     float accuracy = 0;           ///< that the frame was rendered with; 0 for other methods
     int gather_size = 0;          ///< likewise
     int passes = 0;               ///< more than 1 for a target error; 0 for other methods
