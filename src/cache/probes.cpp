@@ -15,6 +15,9 @@ constexpr double kExpectedSpread = 0.5;
 // Of what rays say of pixels, as a share of their light: before probes tell, a guess.
 constexpr double kErrorByRays = 0.02;
 constexpr double kGuessSpread = 2.0;
+// Squared errors vary at least by this, relative to the square of what is expected: few of them
+// are most of the sum, and probes that met none of these are not to be too sure.
+constexpr double kTail = 10.0;
 // Of the probes, the share that lies anywhere; the others lie where errors are expected.
 constexpr double kAnywhere = 0.5;
 // Nine times of ten within so many deviations.
@@ -133,11 +136,14 @@ Scale scaleOf(const NeighbourErrors& neighbours, std::span<const Probe> probes,
         return {.factor = std::max(found, 0.0), .variance = variance};
     }
     const double factor = found / expected;
+    double least = 0.0;
     visit([&](double stands_for, double product, double square) {
         const double off = stands_for * (product - factor * square);
         variance += off * off;
+        least += stands_for * square * stands_for * square;
     });
-    variance /= expected * expected;
+    const double tail = kTail * std::max(factor * factor, 1.0);
+    variance = std::max(variance, tail * least) / (expected * expected);
     const double apart = factor - 1.0;
     const double doubt = spread * spread + std::max(apart * apart - variance, 0.0);
     const double trust = variance / (variance + doubt);
