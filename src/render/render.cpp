@@ -12,6 +12,7 @@
 #include "cache/placement.h"
 #include "cache/raster_gather.h"
 #include "cache/ray_gather.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "raster/gbuffer.h"
@@ -217,7 +218,8 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
 
     RenderStats& stats = result.stats;
     stats.records = static_cast<int>(placement.cache.records.size());
-    stats.estimated_rel_rmse = estimate;
+    // Of no light there is no relative error.
+    stats.estimated_rel_rmse = estimate > 0.0 ? estimate : std::numeric_limits<double>::quiet_NaN();
     stats.accuracy = accuracy;
     stats.gather_size = hemisphere.size;
     stats.passes += 1;
@@ -243,7 +245,7 @@ void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage
         first_estimate = accuracy == kFirst ? estimate : first_estimate;
         const bool falls = accuracy == kFirst ||
                            estimate < first_estimate * std::pow(accuracy / kFirst, kLeastPower);
-        if (estimate <= params.target_error || accuracy <= kFinestAccuracy || !falls) {
+        if (!(estimate > params.target_error) || accuracy <= kFinestAccuracy || !falls) {
             return;
         }
         const double factor = std::pow(kMargin * params.target_error / estimate, 1.0 / kUsualPower);
@@ -271,9 +273,26 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     return result;
 }
 
+// Measured (docs/stability.md): at the most, with every pixel glossy where the method tells.
+void checkRenderMemory(const Scene& scene, const RenderParams& params) {
+    constexpr uint64_t kProgram = uint64_t{128} << 20;
+    constexpr uint64_t kPerTriangle = 500;
+    const bool by_records =
+        params.method == Method::kRadiance || params.method == Method::kIrradiance;
+    const uint64_t per_pixel = by_records ? 400 : 200;
+    const uint64_t pixels =
+        static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
+    checkMemory({.bytes = kProgram + per_pixel * pixels + kPerTriangle * scene.triangles.size(),
+                 .threads = threadCount()},
+                fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
+                            scene.triangles.size()),
+                "choose a smaller --size, or fewer --threads below an address limit");
+}
+
 }  // namespace
 
 RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
+    checkRenderMemory(scene, params);
     switch (params.method) {
         case Method::kReference:
         case Method::kDenoised:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -61,9 +62,10 @@ struct RenderStats {
     int pixels_uncovered = 0;  ///< of these, without any record
     int nonfinite_pixels = 0;
     int negative_pixels = 0;  ///< clamped at compose
-    /// Of the indirect layer, as the records tell (estimateRelRmse()); 0 but for Sheen's own
-    /// methods.
-    double estimated_rel_rmse = 0;
+    /// Of the indirect layer, as the records tell (estimateRelRmse()); NaN where they cannot: where
+    /// they meet no light, and for methods without them. Infinite where none serves another's
+    /// place.
+    double estimated_rel_rmse = std::numeric_limits<double>::quiet_NaN();
     float accuracy = 0;           ///< that the frame was rendered with; 0 for other methods
     int gather_size = 0;          ///< likewise
     int passes = 0;               ///< more than 1 for a target error; 0 for other methods
