@@ -300,7 +300,7 @@ Composed composeFour(
         splat.irradiance.pixels.assign(4, vec4(0, 0, 0, 1));
     }
     Composed composed;
-    composed.counts = compose(g, classes, lobes, splat, Image<vec3>(4, 1), false, composed.frame);
+    composed.counts = compose(g, classes, lobes, splat, Image<vec3>(4, 1), {}, composed.frame);
     return composed;
 }
 

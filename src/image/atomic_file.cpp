@@ -261,8 +261,8 @@ bool isSameFile(const std::string& a, const std::string& b) {
                file_a.st_ino == file_b.st_ino;
     }
     std::error_code error;
-    const fs::path path_a = fs::weakly_canonical(followLinks(a), error);
-    return !error && path_a == fs::weakly_canonical(followLinks(b), error) && !error;
+    const fs::path path_a = fs::weakly_canonical(fs::absolute(followLinks(a)), error);
+    return !error && path_a == fs::weakly_canonical(fs::absolute(followLinks(b)), error) && !error;
 }
 
 void removePendingTemporaries() noexcept {

@@ -15,6 +15,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gl/objects.h"
 #include "raster/gbuffer.h"
 #include "raster/gpu_scene.h"
 #include "splat/splat.h"
@@ -89,6 +90,17 @@ std::vector<MaterialOrder> nameOrders(const Scene& scene, const std::vector<int>
     return named;
 }
 
+// The software rasteriser keeps what it last drew to, deleted or not, until it draws elsewhere: 104
+// bytes a pixel of the G-buffer.
+void dropTargets() {
+    const gl::Texture texel = gl::makeTexture2d(GL_RGBA32F, 1, 1);
+    const GLuint name = texel.name();
+    const gl::Framebuffer target = gl::makeFramebuffer({&name, 1}, 0);
+    const float black[4] = {};
+    gl::glClearNamedFramebufferfv(target.name(), GL_COLOR, 0, black);
+    gl::glFinish();
+}
+
 // What does not depend on the records.
 struct Stage {
     gl::WorkerPool pool;
@@ -126,6 +138,7 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     const Timer gbuffer_timer;
     gbuffer = renderGBuffer(pool, scene, gpu, findCamera(scene, params.camera), params.width,
                             params.height);
+    pool.runOnFirst(dropTargets);
     classes = classifyPixels(scene, gbuffer, params.sh_order, params.method == Method::kIrradiance);
     lobes = buildLobes(gbuffer, classes);
     checkSplat(pool, lobes);
@@ -194,8 +207,8 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
                                 stage, how, params.quiet, seconds);
 
     const Timer splat_timer;
-    const SplatBuffer splat = splatGpu(stage.pool, stage.gbuffer, stage.classes, stage.lobes,
-                                       placement.cache, how.servingWeight());
+    SplatBuffer splat = splatGpu(stage.pool, stage.gbuffer, stage.classes, stage.lobes,
+                                 placement.cache, how.servingWeight());
     seconds.splat += splat_timer.seconds();
 
     const Timer compose_timer;
@@ -205,8 +218,11 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
             reflectSpecular(scene, stage.gbuffer, stage.classes, stage.specular,
                             cachedSpecular(stage.classes, stage.lobes, splat), params.specular);
     }
-    const ComposeCounts counts = compose(stage.gbuffer, stage.classes, stage.lobes, splat, specular,
-                                         irradiance_only, result.frame);
+    const ComposeCounts counts =
+        compose(stage.gbuffer, stage.classes, stage.lobes, splat, specular,
+                {.irradiance_only = irradiance_only, .geometry = params.all_layers}, result.frame);
+    splat = {};
+    specular = {};
     const double estimate =
         estimateRelRmse(stage.gbuffer, stage.classes, stage.lobes, placement, how.servingWeight(),
                         irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);

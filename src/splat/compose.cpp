@@ -17,6 +17,24 @@ vec3 specularAt(const PixelLobes& lobes, const SplatBuffer& splat, int x, int y)
     return lobes.scale.at(x, y) * vec3(splat.specular.at(x, y)) / splat.irradiance.at(x, y).w;
 }
 
+void fillGeometry(const GBuffer& gbuffer, Frame& frame) {
+    for (Image<vec3>* image : {&frame.albedo, &frame.normal, &frame.position}) {
+        *image = Image<vec3>(gbuffer.width, gbuffer.height);
+    }
+    frame.roughness = Image<float>(gbuffer.width, gbuffer.height);
+    frame.depth = Image<float>(gbuffer.width, gbuffer.height, kInfinity);
+    for (int i = 0; i < gbuffer.width * gbuffer.height; ++i) {
+        if (gbuffer.seen(i)) {
+            const auto pixel = static_cast<size_t>(i);
+            frame.albedo.pixels[pixel] = vec3(gbuffer.diffuse.pixels[pixel]);
+            frame.normal.pixels[pixel] = vec3(gbuffer.normal.pixels[pixel]);
+            frame.position.pixels[pixel] = vec3(gbuffer.position.pixels[pixel]);
+            frame.roughness.pixels[pixel] = gbuffer.normal.pixels[pixel].w;
+            frame.depth.pixels[pixel] = gbuffer.position.pixels[pixel].w;
+        }
+    }
+}
+
 }  // namespace
 
 Image<vec3> cachedSpecular(const PixelClasses& classes, const PixelLobes& lobes,
@@ -33,16 +51,17 @@ Image<vec3> cachedSpecular(const PixelClasses& classes, const PixelLobes& lobes,
 }
 
 ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                      const SplatBuffer& splat, const Image<vec3>& by_rays, bool irradiance_only,
-                      Frame& frame) {
+                      const SplatBuffer& splat, const Image<vec3>& by_rays,
+                      const ComposeParams& params, Frame& frame) {
     const int width = gbuffer.width;
     const int height = gbuffer.height;
-    for (Image<vec3>* image : {&frame.direct, &frame.indirect, &frame.indirect_diffuse,
-                               &frame.emission, &frame.albedo, &frame.normal, &frame.position}) {
+    for (Image<vec3>* image :
+         {&frame.direct, &frame.indirect, &frame.indirect_diffuse, &frame.emission}) {
         *image = Image<vec3>(width, height);
     }
-    frame.roughness = Image<float>(width, height);
-    frame.depth = Image<float>(width, height, kInfinity);
+    if (params.geometry) {
+        fillGeometry(gbuffer, frame);
+    }
     frame.weight = Image<float>(width, height);
     frame.primitive = gbuffer.primitive;
     std::atomic<int> nonfinite = 0;
@@ -55,11 +74,6 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
             const vec4 position = gbuffer.position.at(x, y);
             const vec4 normal = gbuffer.normal.at(x, y);
             const vec4 diffuse = gbuffer.diffuse.at(x, y);
-            frame.albedo.at(x, y) = vec3(diffuse);
-            frame.normal.at(x, y) = vec3(normal);
-            frame.position.at(x, y) = vec3(position);
-            frame.roughness.at(x, y) = normal.w;
-            frame.depth.at(x, y) = position.w;
             const vec3 direct(gbuffer.direct.at(x, y));
             frame.direct.at(x, y) = finite(direct) ? direct : vec3(0.0f);
             nonfinite += finite(direct) ? 0 : 1;
@@ -75,7 +89,7 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
                 specular = by_rays.at(x, y);
             } else if (classes.orders.at(x, y) > shared::DIFFUSE_ORDER) {
                 specular = specularAt(lobes, splat, x, y);
-            } else if (!irradiance_only) {
+            } else if (!params.irradiance_only) {
                 // The diffuse class: the lobe acts as a cosine of the same albedo.
                 const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(position));
                 const vec2 ab = brdfAlbedo(glm::dot(vec3(normal), wo), normal.w);

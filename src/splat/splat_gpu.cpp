@@ -179,11 +179,13 @@ struct Target {
         gl::glClearNamedFramebufferfv(framebuffer.name(), GL_COLOR, 0, zero);
     }
 
-    void read(Image<vec4>& image) const {
+    Image<vec4> read(int width, int height) const {
         using namespace gl;
+        Image<vec4> image(width, height);
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
         glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_FLOAT, image.pixels.data());
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
+        return image;
     }
 };
 
@@ -229,9 +231,8 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
     using namespace gl;
     const int width = gbuffer.width;
     const int height = gbuffer.height;
-    SplatBuffer result{Image<vec4>(width, height), Image<vec4>(width, height)};
     if (cache.records.empty()) {
-        return result;
+        return {Image<vec4>(width, height), Image<vec4>(width, height)};
     }
     const std::vector<int>& orders = classes.orders.pixels;
     const int greatest_order = *std::max_element(orders.begin(), orders.end());
@@ -241,7 +242,8 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         passes.push_back(specularPass(cache, i));
     }
     const std::vector<vec4> bounds = clipBounds(gbuffer, cache, weight);
-    const Image<uvec4> normals = packNormals(gbuffer, lobes);
+    Image<uvec4> normals = packNormals(gbuffer, lobes);
+    SplatBuffer result;
     pool.runOnFirst([&] {
         const gl::Texture position_texture = makeTexture2d(GL_RGBA32F, width, height);
         const gl::Texture normal_texture = makeTexture2d(GL_RGBA32UI, width, height);
@@ -249,6 +251,7 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
                             gbuffer.position.pixels.data());
         glTextureSubImage2D(normal_texture.name(), 0, 0, 0, width, height, GL_RGBA_INTEGER,
                             GL_UNSIGNED_INT, normals.pixels.data());
+        normals = {};
         const Buffer lobe_buffer = makeBuffer(std::span<const int16_t>(lobes.steps));
         const gl::Texture lobe_texture = makeBufferTexture(GL_RGBA32I, lobe_buffer);
         const auto bind = [](GLuint unit, const gl::Texture& texture, GLenum format) {
@@ -281,8 +284,7 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         glDepthMask(GL_TRUE);
         glDisable(GL_DEPTH_TEST);
         glDisable(GL_BLEND);
-        irradiance.read(result.irradiance);
-        specular.read(result.specular);
+        result = {irradiance.read(width, height), specular.read(width, height)};
     });
     return result;
 }
