@@ -170,8 +170,10 @@ class Group {
     std::vector<Flat> flats_;
 };
 
-// Lifts each later triangle's vertices, those over lifted ones by another step.
-void liftLater(std::vector<Pair>& pairs, const vec3& step, Scene& scene) {
+using Lifts = std::map<uint32_t, vec3>;  // of vertices
+
+// Adds what lifts each later triangle's vertices by a step, those over lifted ones by another.
+void liftLater(const Scene& scene, std::vector<Pair> pairs, const vec3& step, Lifts& lifts) {
     std::sort(pairs.begin(), pairs.end(),
               [](const Pair& a, const Pair& b) { return a.later < b.later; });
     std::map<uint32_t, int> steps;         // of triangles
@@ -187,9 +189,28 @@ void liftLater(std::vector<Pair>& pairs, const vec3& step, Scene& scene) {
         }
     }
     for (const auto& [vertex, count] : vertex_steps) {
-        scene.positions[vertex] += static_cast<float>(count) * step;
+        lifts[vertex] += static_cast<float>(count) * step;
+    }
+}
+
+// Moves vertices, unless that would leave a triangle without area, as where one is thinner than a
+// step is high; false then.
+bool moveVertices(const Lifts& lifts, Scene& scene) {
+    const std::vector<vec3> before = scene.positions;
+    for (const auto& [vertex, lift] : lifts) {
+        scene.positions[vertex] += lift;
+    }
+    for (int i = 0; i < scene.triangleCount(); ++i) {
+        const vec3 normal = geometricNormal(scene, i);
+        if (!(std::abs(glm::dot(normal, normal) - 1.0f) < 1e-3f)) {
+            scene.positions = before;
+            return false;
+        }
+    }
+    for (const auto& [vertex, lift] : lifts) {
         scene.bounds.add(scene.positions[vertex]);
     }
+    return true;
 }
 
 bool hasOneMaterial(const Scene& scene, std::span<const Keyed> keyed) {
@@ -206,6 +227,8 @@ void separateCoplanar(File& file, Scene& scene) {
     }
     const std::vector<Keyed> keyed = sortByPlane(scene);
     int64_t pairs_left = kMostPairs;
+    Lifts lifts;
+    std::vector<Pair> firsts;  // of each plane
     for (auto first = keyed.begin(); first != keyed.end();) {
         const auto end = std::find_if(first, keyed.end(),
                                       [&](const Keyed& entry) { return entry.key != first->key; });
@@ -220,14 +243,17 @@ void separateCoplanar(File& file, Scene& scene) {
         if (pairs.empty()) {
             continue;
         }
+        firsts.push_back(pairs.front());
+        liftLater(scene, pairs, group.lift(), lifts);
+    }
+    const bool lifted = !lifts.empty() && moveVertices(lifts, scene);
+    for (const Pair& pair : firsts) {
         const auto name = [&](uint32_t triangle) {
             return scene.materials[scene.materials_of[triangle]].name;
         };
         file.notes.add(fmt::format(
-            "surfaces of materials '{}' and '{}' lie in one plane: the latter is put in front; "
-            "move them apart",
-            name(pairs.front().earlier), name(pairs.front().later)));
-        liftLater(pairs, group.lift(), scene);
+            "surfaces of materials '{}' and '{}' lie in one plane{}; move them apart",
+            name(pair.earlier), name(pair.later), lifted ? ": the latter is put in front" : ""));
     }
 }
 
