@@ -236,7 +236,11 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
     RenderStats& stats = result.stats;
     stats.records = static_cast<int>(placement.cache.records.size());
     // Of no light there is no relative error.
-    stats.estimated_rel_rmse = estimate > 0.0 ? estimate : std::numeric_limits<double>::quiet_NaN();
+    const std::vector<vec3>& indirect = result.frame.indirect.pixels;
+    const bool lit = std::any_of(indirect.begin(), indirect.end(),
+                                 [](const vec3& pixel) { return pixel != vec3(0.0f); });
+    stats.estimated_rel_rmse =
+        lit && estimate > 0.0 ? estimate : std::numeric_limits<double>::quiet_NaN();
     stats.accuracy = accuracy;
     stats.gather_size = hemisphere.size;
     stats.passes += 1;
@@ -290,16 +294,34 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     return result;
 }
 
-// Measured (docs/stability.md): at the most, with every pixel glossy where the method tells.
+// Bytes that a pixel takes, at the most (docs/stability.md).
+uint64_t bytesPerPixel(const Scene& scene, const RenderParams& params) {
+    constexpr uint64_t kByPaths = 200;
+    constexpr uint64_t kByRecords = 330;
+    constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
+    if (params.method != Method::kRadiance && params.method != Method::kIrradiance) {
+        return kByPaths;
+    }
+    std::vector<bool> used(scene.materials.size(), false);
+    for (const uint32_t material : scene.materials_of) {
+        used[material] = true;
+    }
+    int order = 0;
+    for (size_t i = 0; i < used.size() && params.method == Method::kRadiance; ++i) {
+        if (used[i]) {
+            order = std::max(order, materialOrder(scene, scene.materials[i], params.sh_order));
+        }
+    }
+    return kByRecords + kPerCoefficient * static_cast<uint64_t>(order * order);
+}
+
 void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kProgram = uint64_t{128} << 20;
     constexpr uint64_t kPerTriangle = 650;
-    const bool by_records =
-        params.method == Method::kRadiance || params.method == Method::kIrradiance;
-    const uint64_t per_pixel = by_records ? 400 : 200;
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
-    checkMemory({.bytes = kProgram + per_pixel * pixels + kPerTriangle * scene.triangles.size(),
+    checkMemory({.bytes = kProgram + bytesPerPixel(scene, params) * pixels +
+                          kPerTriangle * scene.triangles.size(),
                  .threads = threadCount()},
                 fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
                             scene.triangles.size()),
