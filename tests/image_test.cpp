@@ -374,49 +374,6 @@ TEST_F(AtomicFileTest, writesThroughSymbolicLinks) {
     EXPECT_EQ(textOf(file("there/target")), "new");
 }
 
-TEST_F(AtomicFileTest, writesThroughLinksToWhatDoesNotExistYet) {
-    fs::create_directory(file("there"));
-    fs::create_symlink("second", file("first"));
-    fs::create_symlink(file("there/target"), file("second"));
-    AtomicFile out(file("first"));
-    EXPECT_EQ(std::distance(fs::directory_iterator(file("there")), fs::directory_iterator()), 1)
-        << "the temporary lies beside the target, which may be on another disk";
-    out.write("new");
-    out.commit();
-    EXPECT_TRUE(fs::is_symlink(file("first")));
-    EXPECT_TRUE(fs::is_symlink(file("second")));
-    EXPECT_EQ(textOf(file("there/target")), "new");
-}
-
-TEST_F(AtomicFileTest, temporariesInUseAreNoLeftovers) {
-    AtomicFile out(file("a"));
-    writeText(file(".sheen-4000000-0.tmp"), "left");
-    checkWritable(file("b"));
-    EXPECT_EQ(fileCount(), 1) << "the leftover is gone, that in use is not";
-    out.write("text");
-    out.commit();
-    EXPECT_EQ(textOf(file("a")), "text");
-}
-
-TEST_F(AtomicFileTest, sameFileByIdentity) {
-    writeText(file("a"), "");
-    writeText(file("b"), "");
-    fs::create_hard_link(file("a"), file("hard"));
-    fs::create_symlink("a", file("soft"));
-    fs::create_symlink("none", file("dangling"));
-    fs::create_symlink("circle", file("circle"));
-    EXPECT_TRUE(isSameFile(file("a"), file("./a")));
-    EXPECT_TRUE(isSameFile(file("a"), file("hard")));
-    EXPECT_TRUE(isSameFile(file("soft"), file("a")));
-    EXPECT_TRUE(isSameFile(file("none"), file("./none")));
-    EXPECT_TRUE(isSameFile(file("dangling"), file("none")));
-    EXPECT_FALSE(isSameFile(file("a"), file("b")));
-    EXPECT_FALSE(isSameFile(file("a"), file("none")));
-    EXPECT_FALSE(isSameFile(file("none"), file("other")));
-    EXPECT_FALSE(isSameFile(file("circle"), file("a")));
-    EXPECT_FALSE(isSameFile(file("circle"), file("none")));
-}
-
 TEST_F(AtomicFileTest, keepsPermissions) {
     writeText(file("a"), "old");
     fs::permissions(file("a"), fs::perms::owner_read | fs::perms::owner_write);
