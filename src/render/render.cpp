@@ -296,7 +296,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
 
 // Bytes that a pixel takes, at the most (docs/stability.md).
 uint64_t bytesPerPixel(const Scene& scene, const RenderParams& params) {
-    constexpr uint64_t kByPaths = 200;
+    constexpr uint64_t kByPaths = 230;
     constexpr uint64_t kByRecords = 330;
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
     if (params.method != Method::kRadiance && params.method != Method::kIrradiance) {
