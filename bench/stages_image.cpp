@@ -141,13 +141,13 @@ void composeFrame(State& state, Setup& setup, int order, bool estimate) {
         splatGpu(setup.pool(), gbuffer, made.classes, made.lobes, made.placement.cache, weight);
     const Image<vec3> traced(gbuffer.width, gbuffer.height);
     Frame frame;
-    compose(gbuffer, made.classes, made.lobes, sums, traced, false, frame);
+    compose(gbuffer, made.classes, made.lobes, sums, traced, {}, frame);
     for (auto _ : state) {
         if (estimate) {
-            benchmark::DoNotOptimize(estimateRelRmse(gbuffer, made.classes, made.lobes,
+            benchmark::DoNotOptimize(neighbourErrors(gbuffer, made.classes, made.lobes,
                                                      made.placement, weight, frame.indirect));
         } else {
-            compose(gbuffer, made.classes, made.lobes, sums, traced, false, frame);
+            compose(gbuffer, made.classes, made.lobes, sums, traced, {}, frame);
         }
     }
     state.counters["order"] = order;

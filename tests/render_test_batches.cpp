@@ -22,6 +22,7 @@ RenderResult render(const Scene& scene, int batch, int coarsest_stride) {
     params.width = params.height = kSize;
     params.quiet = true;
     params.placement.min_pixels = 0.0f;
+    params.all_layers = true;
     params.placement.batch = batch;
     params.placement.coarsest_stride = coarsest_stride;
     return renderFrame(scene, params);

@@ -293,14 +293,14 @@ Composed composeFour(
     classes.orders = Image<int>(4, 1, order);
     classes.by_rays = Image<uint8_t>(4, 1);
     PixelLobes lobes{Image<int>(4, 1, order > 0 ? 0 : -1), {0}, Image<vec3>(4, 1, vec3(1.0f))};
-    SplatBuffer splat{Image<vec4>(4, 1), Image<vec4>(4, 1)};
+    SplatBuffer splat{Image<vec4>(4, 1), Image<vec4>(4, 1), {}};
     splat.irradiance.pixels.assign(irradiance.begin(), irradiance.end());
     if (order > 0) {
         splat.specular.pixels = splat.irradiance.pixels;
         splat.irradiance.pixels.assign(4, vec4(0, 0, 0, 1));
     }
     Composed composed;
-    composed.counts = compose(g, classes, lobes, splat, Image<vec3>(4, 1), false, composed.frame);
+    composed.counts = compose(g, classes, lobes, splat, Image<vec3>(4, 1), {}, composed.frame);
     return composed;
 }
 

@@ -1,4 +1,4 @@
-// estimateRelRmse() against the error itself, on light that is known.
+// neighbourErrors() against the error itself, on light that is known.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -45,8 +45,9 @@ Judged judge(const PlacementParams& params, const std::function<float(const vec3
         sum += truth;
         ++seen;
     }
-    return {.estimated = estimateRelRmse(stage.gbuffer, stage.classes, lobes, placement,
-                                         params.servingWeight(), image),
+    return {.estimated = neighbourErrors(stage.gbuffer, stage.classes, lobes, placement,
+                                         params.servingWeight(), image)
+                             .rel_rmse,
             .actual = std::sqrt(squares * seen) / sum};
 }
 
@@ -144,8 +145,9 @@ TEST(Estimate, NothingIsKnownWhereNoRecordServesAnother) {
     const PlacementParams params;
     const Placement placement = place(stage, params);
     ASSERT_EQ(placement.cache.records.size(), 1u);
-    EXPECT_EQ(estimateRelRmse(stage.gbuffer, stage.classes, lobes, placement,
-                              params.servingWeight(), Image<vec3>(kWidth, kHeight, vec3(1.0f))),
+    EXPECT_EQ(neighbourErrors(stage.gbuffer, stage.classes, lobes, placement,
+                              params.servingWeight(), Image<vec3>(kWidth, kHeight, vec3(1.0f)))
+                  .rel_rmse,
               kInfinity);
 }
 
@@ -154,9 +156,10 @@ TEST(Estimate, NothingSeenIsNoError) {
     for (int& order : stage.classes.orders.pixels) {
         order = kNoOrder;
     }
-    EXPECT_EQ(estimateRelRmse(stage.gbuffer, stage.classes,
+    EXPECT_EQ(neighbourErrors(stage.gbuffer, stage.classes,
                               buildLobes(stage.gbuffer, stage.classes), Placement{},
-                              PlacementParams{}.servingWeight(), Image<vec3>(kWidth, kHeight)),
+                              PlacementParams{}.servingWeight(), Image<vec3>(kWidth, kHeight))
+                  .rel_rmse,
               0.0);
 }
 

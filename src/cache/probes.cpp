@@ -225,7 +225,7 @@ ErrorEstimate estimateError(const NeighbourErrors& neighbours, std::span<const P
                 expectedSquare(neighbours, classes, indirect, i);
         }
     }
-    if (!(mean > 0.0)) {
+    if (!(mean > 0.0) || probes.empty()) {
         return {};
     }
     double square = 0.0;

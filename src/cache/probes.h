@@ -2,6 +2,7 @@
 // may err alike, cannot tell of themselves.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -32,12 +33,14 @@ void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses
 
 /// The error of an image as a share of its mean, rel_rmse of docs/metrics.md.
 struct ErrorEstimate {
-    double rel_rmse = 0;
-    double low = 0;  ///< it is expected within low to high nine times of ten
-    double high = 0;
+    double rel_rmse = std::numeric_limits<double>::quiet_NaN();
+    /// It is expected within low to high nine times of ten.
+    double low = std::numeric_limits<double>::quiet_NaN();
+    double high = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What neighbouring records expect, corrected by what probes find, as far as these are sure.
+/// What neighbouring records expect, corrected by what probes find, as far as these are sure. No
+/// numbers where nothing is lit.
 ErrorEstimate estimateError(const NeighbourErrors& neighbours, std::span<const Probe> probes,
                             const GBuffer& gbuffer, const PixelClasses& classes,
                             const Image<vec3>& indirect);

@@ -125,8 +125,10 @@ class Sweep {
 
     Chart run() {
         // Everything that can be wrong is looked at before the long work.
-        for (ChartScene& scene : scenes_) {
-            identities_.push_back(identify(loadScene(scene.file), params_.camera, scene));
+        for (ChartScene& chart_scene : scenes_) {
+            const Scene scene = loadScene(chart_scene.file);
+            checkNotOverwritten(scene.files);
+            identities_.push_back(identify(scene, params_.camera, chart_scene));
         }
         for (const fs::path& folder : {root_, points_, references_}) {
             makeFolder(folder);
@@ -165,6 +167,17 @@ class Sweep {
     }
 
   private:
+    void checkNotOverwritten(const std::vector<std::string>& inputs) const {
+        for (const char* report : kReportFiles) {
+            for (const std::string& input : inputs) {
+                if (isSameFile((root_ / report).string(), input)) {
+                    throwUsage("--output {}: {} in it would overwrite {}; choose another folder",
+                               params_.folder, report, input);
+                }
+            }
+        }
+    }
+
     // What a scene's points are judged by, to be rendered or already stored.
     struct Reference {
         size_t scene = 0;

@@ -61,12 +61,14 @@ Command addChart(CLI::App& program) {
     ChartParams& p = options->params;
     app->add_option("SCENE", p.scenes, "glTF scenes, .glb or .gltf")
         ->type_name("FILE...")
-        ->required();
+        ->required()
+        ->check(fileName());
     app->add_option("-o,--output", p.folder,
                     "Folder for chart.html, chart.csv and chart.json; also keeps references and "
                     "points, so that an interrupted chart continues")
         ->type_name("FOLDER")
-        ->required();
+        ->required()
+        ->check(fileName());
     std::string known;
     for (const SweepMethod& method : sweepMethods()) {
         known += (known.empty() ? "" : ",") + method.name;

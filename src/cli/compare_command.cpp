@@ -4,7 +4,7 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/output.h"
-#include "image/atomic_file.h"
+#include "core/memory.h"
 #include "image/exr.h"
 #include "image/png.h"
 #include "metrics/compare.h"
@@ -84,20 +84,20 @@ void printComparison(const Comparison& c) {
 }
 
 void checkOptions(const CompareOptions& o) {
-    if (o.heatmap.empty()) {
-        return;
-    }
-    if (imageKind(o.heatmap) != FileKind::kPng) {
+    if (!o.heatmap.empty() && imageKind(o.heatmap) != FileKind::kPng) {
         throwUsage("--heatmap {}: must be a .png file", o.heatmap);
     }
-    checkWritable(o.heatmap);
 }
 
 ExitCode runCompare(const CompareOptions& o) {
     checkOptions(o);
-    checkJsonWritable(o.json);
+    checkOutputs({{"--heatmap", o.heatmap}, {"--json", o.json}}, {o.test, o.reference});
     const LoadedExr test = readExr(o.test);
     const LoadedExr reference = readExr(o.reference);
+    constexpr uint64_t kBytesPerPixel = 128;  // sums, errors in order, the heat map and its file
+    checkMemory({.bytes = kBytesPerPixel * static_cast<uint64_t>(reference.width) *
+                          static_cast<uint64_t>(reference.height)},
+                fmt::format("comparing with {}", o.reference), "use smaller images");
     const Image<vec3> variance = varianceOf(reference, o.layer);
     const CompareInput input = {
         .test = colorLayer(test, o.layer),
@@ -133,21 +133,27 @@ ExitCode runCompare(const CompareOptions& o) {
 Command addCompare(CLI::App& program) {
     CLI::App* app = program.add_subcommand("compare", "Measure an image's error");
     const auto options = std::make_shared<CompareOptions>();
-    app->add_option("IMAGE", options->test, "EXR file to judge")->type_name("FILE")->required();
+    app->add_option("IMAGE", options->test, "EXR file to judge")
+        ->type_name("FILE")
+        ->required()
+        ->check(fileName());
     app->add_option("REFERENCE", options->reference,
                     "EXR file to judge by; the variance it carries is taken into account, and "
                     "where more than half of the difference is its noise, nothing is judged "
                     "(exit code 3)")
         ->type_name("FILE")
-        ->required();
+        ->required()
+        ->check(fileName());
     app->add_option("--layer", options->layer, "Layer to compare")
         ->check(CLI::IsMember({"indirect", "direct", "indirect_diffuse", "beauty"}))
         ->capture_default_str();
     app->add_option("--json", options->json, "File for all figures as JSON; -: standard output")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(fileName());
     app->add_option("--heatmap", options->heatmap,
                     "PNG file for the relative error of each pixel, 0.1% (violet) to 100% (yellow)")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(fileName());
     return {app, [options] { return runCompare(*options); }};
 }
 

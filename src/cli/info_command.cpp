@@ -4,6 +4,7 @@
 #include "cache/classes.h"
 #include "cache/record.h"
 #include "cli/commands.h"
+#include "cli/options.h"
 #include "cli/output.h"
 #include "scene/scene.h"
 
@@ -112,8 +113,8 @@ void printScene(const std::string& path, const Scene& scene) {
 }
 
 ExitCode runInfo(const InfoOptions& o) {
-    checkJsonWritable(o.json);
     const Scene scene = loadScene(o.scene);
+    checkOutputs({{"--json", o.json}}, scene.files);
     for (const std::string& warning : scene.warnings) {
         warn(warning);
     }
@@ -131,9 +132,11 @@ Command addInfo(CLI::App& program) {
     const auto options = std::make_shared<InfoOptions>();
     app->add_option("SCENE", options->scene, "glTF scene, .glb or .gltf")
         ->type_name("FILE")
-        ->required();
+        ->required()
+        ->check(fileName());
     app->add_option("--json", options->json, "File for all figures as JSON; -: standard output")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(fileName());
     return {app, [options] { return runInfo(*options); }};
 }
 

@@ -23,9 +23,11 @@ void endBySignal(int signal) {
 }
 
 void installSignalHandlers() {
-    std::signal(SIGINT, endBySignal);
-    std::signal(SIGTERM, endBySignal);
-    std::signal(SIGHUP, endBySignal);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        if (std::signal(signal, endBySignal) == SIG_IGN) {
+            std::signal(signal, SIG_IGN);  // as under nohup
+        }
+    }
     // A file that grows over the limit is then an error of write(), reported like a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
 }

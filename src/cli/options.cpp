@@ -45,6 +45,12 @@ CLI::Validator numberIn(double lower, double upper) {
         range);
 }
 
+CLI::Validator fileName() {
+    return CLI::Validator(
+        [](const std::string& text) -> std::string { return text.empty() ? "name is empty" : ""; },
+        "");
+}
+
 ivec2 parseSize(const std::string& text) {
     const size_t cross = text.find_first_of("xX");
     if (cross != std::string::npos) {

@@ -12,6 +12,9 @@ namespace sheen::cli {
 /// Accepts numbers in [lower, upper]; unlike CLI::Range never NaN.
 CLI::Validator numberIn(double lower, double upper);
 
+/// Accepts any name but the empty one, which scripts make of variables that are not set.
+CLI::Validator fileName();
+
 /// "WxH", each 1..16384. Usage error otherwise.
 ivec2 parseSize(const std::string& text);
 

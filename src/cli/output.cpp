@@ -15,9 +15,28 @@ void flushOutput() {
     }
 }
 
-void checkJsonWritable(const std::string& json_path) {
-    if (!json_path.empty() && json_path != "-") {
-        checkWritable(json_path);
+void checkOutputs(const std::vector<OutputFile>& outputs, const std::vector<std::string>& inputs) {
+    std::vector<OutputFile> files;
+    for (const OutputFile& output : outputs) {
+        if (output.path.empty() || output.path == "-") {
+            continue;
+        }
+        for (const std::string& input : inputs) {
+            if (isSameFile(output.path, input)) {
+                throwUsage("{} {}: would overwrite {}, which is read; choose another name",
+                           output.option, output.path, input);
+            }
+        }
+        for (const OutputFile& other : files) {
+            if (isSameFile(output.path, other.path)) {
+                throwUsage("{} {}: is the file of {} as well; choose another name", output.option,
+                           output.path, other.option);
+            }
+        }
+        files.push_back(output);
+    }
+    for (const OutputFile& file : files) {
+        checkWritable(file.path);
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "core/math.h"
 
@@ -17,8 +18,16 @@ inline bool wantsText(const std::string& json_path) { return json_path != "-"; }
 /// Ends printing: environment error where text was lost.
 void flushOutput();
 
-/// Fails early if `json_path` (a file; "-" is stdout; empty: none) cannot be written.
-void checkJsonWritable(const std::string& json_path);
+/// A file that a command is to write: what its option is called, and the name it was given. An
+/// empty name, and "-" for standard output, is no file.
+struct OutputFile {
+    const char* option;
+    std::string path;
+};
+
+/// Before long work: usage error where an output is one of the files that are read or another
+/// output, by the files' identity; environment error where one cannot be written.
+void checkOutputs(const std::vector<OutputFile>& outputs, const std::vector<std::string>& inputs);
 
 /// Writes `json` to `json_path`, see above. Environment error where it cannot be written.
 void writeJson(const std::string& json_path, const Json& json);

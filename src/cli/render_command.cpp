@@ -12,9 +12,9 @@
 #include "cli/output.h"
 #include "core/parallel.h"
 #include "core/timer.h"
-#include "image/atomic_file.h"
 #include "image/exr.h"
 #include "image/png.h"
+#include "render/black_frame.h"
 #include "render/render.h"
 
 namespace sheen::cli {
@@ -73,11 +73,15 @@ std::vector<std::string> keysOf(const std::map<std::string, T>& map) {
 }
 
 void addImageOptions(CLI::App& app, RenderOptions& o) {
-    app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")->type_name("FILE")->required();
+    app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")
+        ->type_name("FILE")
+        ->required()
+        ->check(fileName());
     app.add_option("-o,--output", o.output,
                    "Image to write, .exr (all figures) or .png (to look at); "
                    "default: the scene's name with .exr, in the current folder")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(fileName());
     app.add_option("--size", o.size, "Width x height in pixels, each 1..16384")
         ->capture_default_str();
     app.add_option("--camera", o.params.camera, "Name or number of a camera; default: the first");
@@ -116,7 +120,9 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
         any_cache);
     limited(app.add_option("--target-error", p.target_error,
                            "radiance, irradiance: render again at finer accuracies until the "
-                           "estimated relative error of the indirect light is at most this, "
+                           "estimated relative error of the indirect light, at the upper end of "
+                           "its interval, is at "
+                           "most this, "
                            "0.002..0.5")
                 ->check(numberIn(0.002, 0.5))
                 ->excludes(accuracy)
@@ -167,7 +173,8 @@ void addProgramOptions(CLI::App& app, RenderOptions& o) {
         ->check(numberIn(0, 256))
         ->capture_default_str();
     app.add_option("--json", o.json, "File for all figures as JSON; -: standard output")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(fileName());
 }
 
 bool tracesPaths(Method method) {
@@ -200,9 +207,6 @@ void checkFileOptions(const RenderOptions& o, FileKind kind) {
     }
     if (kind == FileKind::kPng && o.layers_option->count() > 0) {
         throwUsage("--layers: for EXR only; {} holds one image", o.output);
-    }
-    if (!o.json.empty() && o.json == o.output) {
-        throwUsage("--json {}: is the image's name as well", o.json);
     }
 }
 
@@ -244,6 +248,8 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"nonfinite_pixels", stats.nonfinite_pixels},
                  {"negative_pixels", stats.negative_pixels},
                  {"estimated_rel_rmse", stats.estimated_rel_rmse},
+                 {"estimate_low", stats.estimate_low},
+                 {"estimate_high", stats.estimate_high},
                  {"accuracy", stats.accuracy},
                  {"gather_size", stats.gather_size},
                  {"passes", stats.passes},
@@ -301,10 +307,13 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
                                      "as long as rays for the same error",
                                      o.road_choice->raster_ratio));
         if (std::isfinite(stats.estimated_rel_rmse)) {
-            fmt::print("estimate  rel_rmse of the indirect light {:.1f}%\n",
-                       100 * stats.estimated_rel_rmse);
+            fmt::print("estimate  rel_rmse of the indirect light {:.1f}% ({:.1f} to {:.1f}%)\n",
+                       100 * stats.estimated_rel_rmse, 100 * stats.estimate_low,
+                       100 * stats.estimate_high);
         } else {
-            fmt::print("estimate  none: no record serves where another lies\n");
+            fmt::print("estimate  none: {}\n", std::isnan(stats.estimated_rel_rmse)
+                                                   ? "no indirect light is seen"
+                                                   : "no record serves where another lies");
         }
         if (o.params.target_error > 0.0) {
             fmt::print("accuracy  {:.3g}, found in {} passes\n", stats.accuracy, stats.passes);
@@ -358,8 +367,7 @@ ExitCode runRender(RenderOptions& o) {
         o.gather = o.road_choice->road == GatherRoad::kRays ? "ray" : "hemicube";
     }
     o.params.gather_road = *kGathers.at(o.gather).road;
-    checkWritable(o.output);  // before the long work
-    checkJsonWritable(o.json);
+    checkOutputs({{"-o", o.output}, {"--json", o.json}}, scene.files);
 
     RenderResult result = renderFrame(scene, o.params);
     const Timer write;
@@ -370,11 +378,15 @@ ExitCode runRender(RenderOptions& o) {
     if (result.stats.nonfinite_pixels > 0) {
         warn(fmt::format("{}: {} pixels are not finite", o.output, result.stats.nonfinite_pixels));
     }
-    if (o.params.target_error > 0.0 && result.stats.estimated_rel_rmse > o.params.target_error) {
+    const std::string black = whyBlack(scene, findCamera(scene, o.params.camera), result.frame);
+    if (!black.empty()) {
+        warn(fmt::format("{}: {}", o.scene, black));
+    }
+    if (o.params.target_error > 0.0 && result.stats.estimate_high > o.params.target_error) {
         const bool finest = result.stats.accuracy <= kFinestAccuracy;
         warn(fmt::format(
-            "--target-error {}: the estimate stays at {:.3g} and {}", o.params.target_error,
-            result.stats.estimated_rel_rmse,
+            "--target-error {}: the estimate's upper end stays at {:.3g} and {}",
+            o.params.target_error, result.stats.estimate_high,
             finest ? "there are no finer records" : "finer records would not lower it by much"));
     }
     writeJson(o.json, statsJson(o, result.stats));

@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <new>
 
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "image/atomic_file.h"
 
@@ -57,7 +58,7 @@ class Channels {
         }
         checkSize(image.width, image.height);
         const float* values = &image.pixels[0].x;
-        const bool half = as_half && !isDim(values, 3 * image.pixels.size());
+        const bool half = as_half && suitsHalf(values, 3 * image.pixels.size());
         for (size_t c = 0; c < 3; ++c) {
             addFloats(prefix + names[c], values + c, 3, half);
         }
@@ -85,24 +86,27 @@ class Channels {
         output.writePixels(height_);
     }
 
-    size_t clamped() const { return clamped_; }
-
   private:
     void checkSize(int width, int height) const {
         SHEEN_CHECK_EQ(width, width_);
         SHEEN_CHECK_EQ(height, height_);
     }
 
-    // Below 2^-14 halves lose digits. Light that is dim all over, as in scenes whose unit is small,
-    // is kept in floats: what is not black is on average dimmer than 2^-8.
-    static bool isDim(const float* values, size_t count) {
+    // Below 2^-14 halves lose digits, and they end at 65504. Light that is dim all over, as in
+    // scenes whose unit is small, is kept in floats: what is not black is on average dimmer than
+    // 2^-8. So is light that is brighter anywhere.
+    static bool suitsHalf(const float* values, size_t count) {
         double sum = 0.0;
         size_t lit = 0;
         for (size_t i = 0; i < count; ++i) {
-            sum += std::abs(values[i]);
-            lit += values[i] != 0.0f ? 1 : 0;
+            const float value = std::abs(values[i]);
+            if (value > kHalfMax && std::isfinite(value)) {
+                return false;
+            }
+            sum += value;
+            lit += value != 0.0f ? 1 : 0;
         }
-        return sum < 0x1p-8 * static_cast<double>(lit);
+        return !(sum < 0x1p-8 * static_cast<double>(lit));
     }
 
     void addFloats(const std::string& name, const float* values, size_t stride, bool as_half) {
@@ -113,10 +117,7 @@ class Channels {
         const size_t count = static_cast<size_t>(width_) * static_cast<size_t>(height_);
         std::vector<half>& halves = halves_.emplace_back(count);
         for (size_t i = 0; i < count; ++i) {
-            const float value = values[i * stride];
-            const bool clamp = std::abs(value) > kHalfMax;
-            clamped_ += clamp ? 1 : 0;
-            halves[i] = half(clamp ? std::copysign(kHalfMax, value) : value);
+            halves[i] = half(values[i * stride]);
         }
         insert(name, Imf::HALF, halves.data(), sizeof(half));
     }
@@ -131,7 +132,6 @@ class Channels {
     int width_;
     int height_;
     bool exact_;
-    size_t clamped_ = 0;
     Imf::ChannelList list_;
     Imf::FrameBuffer pixels_;
     std::deque<std::vector<half>> halves_;  // a deque: slices point into its elements
@@ -258,8 +258,10 @@ class Reader {
 void checkPlausible(const Imf::Header& header, const std::string& path, int64_t width,
                     int64_t height) {
     int64_t pixel_size = 0;
+    int64_t channels = 0;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
         pixel_size += c.channel().type == Imf::HALF ? 2 : 4;
+        ++channels;
     }
     const bool is_dwa = header.compression() == Imf::DWAA_COMPRESSION ||
                         header.compression() == Imf::DWAB_COMPRESSION;
@@ -271,6 +273,10 @@ void checkPlausible(const Imf::Header& header, const std::string& path, int64_t 
             "promises; copy or render it again",
             path, file_size, width, height);
     }
+    constexpr int64_t kBytesPerChannel = sizeof(float);
+    checkMemory({.bytes = static_cast<uint64_t>(width * height * channels * kBytesPerChannel)},
+                fmt::format("{}, {}x{} pixels of {} channels", path, width, height, channels),
+                "use a smaller image");
 }
 
 void checkIsExr(const std::string& path) {
@@ -298,11 +304,6 @@ void writeExr(const std::string& path, const Frame& frame, ExrLayers layers) {
     channels.addColor("", kRgb, beauty_image, true);
     channels.addScalar("A", alpha_image, true);
     addLayers(channels, frame, layers);
-    if (channels.clamped() > 0) {
-        warn(fmt::format("{}: {} values above {} were clamped: the file stores 16-bit floats", path,
-                         channels.clamped(), kHalfMax));
-    }
-
     AtomicFile file(path);
     Imf::Header header(frame.width(), frame.height());
     header.compression() = Imf::ZIP_COMPRESSION;

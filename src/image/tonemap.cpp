@@ -11,8 +11,8 @@ constexpr float kMiddleGrey = 0.18f;
 // Of the mean luminance. What lies in the dark of an object alone in space is lit by a thousandth
 // of the rest: counted as it is, it would burn out all else.
 constexpr double kDarkestShare = 1.0 / 16.0;
-// Beyond this exponent 2^EV times any luminance of interest leaves float's range.
-constexpr float kMaxStops = 100.0f;
+// Beyond this exponent 2^EV leaves float's range.
+constexpr float kMaxStops = 126.0f;
 constexpr float kSurelyWhite = 1e30f;
 constexpr Rgb8 kNotFinite = {255, 0, 255};
 

@@ -13,8 +13,10 @@
 #include "cache/probes.h"
 #include "cache/raster_gather.h"
 #include "cache/ray_gather.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gl/objects.h"
 #include "raster/gbuffer.h"
 #include "raster/gpu_scene.h"
 #include "splat/splat.h"
@@ -89,6 +91,17 @@ std::vector<MaterialOrder> nameOrders(const Scene& scene, const std::vector<int>
     return named;
 }
 
+// The software rasteriser keeps what it last drew to, deleted or not, until it draws elsewhere: 104
+// bytes a pixel of the G-buffer, 20 of splatting.
+void dropTargets() {
+    const gl::Texture texel = gl::makeTexture2d(GL_RGBA32F, 1, 1);
+    const GLuint name = texel.name();
+    const gl::Framebuffer target = gl::makeFramebuffer({&name, 1}, 0);
+    const float black[4] = {};
+    gl::glClearNamedFramebufferfv(target.name(), GL_COLOR, 0, black);
+    gl::glFinish();
+}
+
 // What does not depend on the records.
 struct Stage {
     gl::WorkerPool pool;
@@ -126,6 +139,7 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     const Timer gbuffer_timer;
     gbuffer = renderGBuffer(pool, scene, gpu, findCamera(scene, params.camera), params.width,
                             params.height);
+    pool.runOnFirst(dropTargets);
     classes = classifyPixels(scene, gbuffer, params.sh_order, params.method == Method::kIrradiance);
     lobes = buildLobes(gbuffer, classes);
     checkSplat(pool, lobes);
@@ -172,11 +186,10 @@ class PassGatherer {
 
 // How wrong the image is: by the records, and by probes, which cast rays whatever road the records
 // took. Probes cost a twentieth of the records, up to what is enough.
-constexpr uint32_t kProbeSeed = 1u << 30u;  // more than there are records
-
 ErrorEstimate judge(const Scene& scene, const RenderParams& params, const Stage& stage,
                     const Placement& placement, const WeightParams& weight,
                     const HemisphereParams& hemisphere, const Image<vec3>& indirect) {
+    constexpr uint32_t kOtherRays = 1u << 30u;  // than those of any record
     constexpr size_t kRecordsPerProbe = 40;
     constexpr size_t kFewest = 32;
     constexpr size_t kEnough = 400;
@@ -191,7 +204,7 @@ ErrorEstimate judge(const Scene& scene, const RenderParams& params, const Stage&
     if (params.gather_road != GatherRoad::kRays) {
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
-    RayGatherer gatherer(*stage.rays, *stage.cells, seen, kProbeSeed);
+    RayGatherer gatherer(*stage.rays, *stage.cells, seen, kOtherRays);
     gatherProbes(
         scene, stage.gbuffer, stage.classes, placement,
         [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, *stage.rays,
@@ -229,8 +242,9 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
     seconds.placement += timer.seconds() - gathered.see - gathered.project;
 
     const Timer splat_timer;
-    const SplatBuffer splat = splatGpu(stage.pool, stage.gbuffer, stage.classes, stage.lobes,
-                                       placement.cache, how.servingWeight());
+    SplatBuffer splat = splatGpu(stage.pool, stage.gbuffer, stage.classes, stage.lobes,
+                                 placement.cache, how.servingWeight());
+    stage.pool.runOnFirst(dropTargets);
     seconds.splat += splat_timer.seconds();
 
     const Timer compose_timer;
@@ -240,8 +254,11 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
             reflectSpecular(stage.gbuffer, stage.classes, stage.specular,
                             cachedSpecular(stage.gbuffer, stage.classes, stage.lobes, splat));
     }
-    const ComposeCounts counts = compose(stage.gbuffer, stage.classes, stage.lobes, splat, specular,
-                                         irradiance_only, result.frame);
+    const ComposeCounts counts =
+        compose(stage.gbuffer, stage.classes, stage.lobes, splat, specular,
+                {.irradiance_only = irradiance_only, .geometry = params.all_layers}, result.frame);
+    splat = {};
+    specular = {};
     const ErrorEstimate estimate =
         judge(scene, params, stage, placement, how.servingWeight(), hemisphere,
               irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
@@ -281,7 +298,7 @@ void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage
         first_estimate = accuracy == kFirst ? estimate : first_estimate;
         const bool falls = accuracy == kFirst ||
                            estimate < first_estimate * std::pow(accuracy / kFirst, kLeastPower);
-        if (estimate <= params.target_error || accuracy <= kFinestAccuracy || !falls) {
+        if (!(estimate > params.target_error) || accuracy <= kFinestAccuracy || !falls) {
             return;
         }
         const double factor = std::pow(kMargin * params.target_error / estimate, 1.0 / kUsualPower);
@@ -309,9 +326,44 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
     return result;
 }
 
+// Bytes that a pixel takes, at the most (docs/stability.md).
+uint64_t bytesPerPixel(const Scene& scene, const RenderParams& params) {
+    constexpr uint64_t kByPaths = 230;
+    constexpr uint64_t kByRecords = 330;
+    constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
+    if (params.method != Method::kRadiance && params.method != Method::kIrradiance) {
+        return kByPaths;
+    }
+    std::vector<bool> used(scene.materials.size(), false);
+    for (const uint32_t material : scene.materials_of) {
+        used[material] = true;
+    }
+    int order = 0;
+    for (size_t i = 0; i < used.size() && params.method == Method::kRadiance; ++i) {
+        if (used[i]) {
+            order = std::max(order, materialOrder(scene, scene.materials[i], params.sh_order));
+        }
+    }
+    return kByRecords + kPerCoefficient * static_cast<uint64_t>(order * order);
+}
+
+void checkRenderMemory(const Scene& scene, const RenderParams& params) {
+    constexpr uint64_t kProgram = uint64_t{128} << 20;
+    constexpr uint64_t kPerTriangle = 650;
+    const uint64_t pixels =
+        static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
+    checkMemory({.bytes = kProgram + bytesPerPixel(scene, params) * pixels +
+                          kPerTriangle * scene.triangles.size(),
+                 .threads = threadCount()},
+                fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
+                            scene.triangles.size()),
+                "choose a smaller --size, or fewer --threads below an address limit");
+}
+
 }  // namespace
 
 RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
+    checkRenderMemory(scene, params);
     switch (params.method) {
         case Method::kReference:
         case Method::kDenoised:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -61,11 +62,11 @@ struct RenderStats {
     int pixels_uncovered = 0;  ///< of these, without any record
     int nonfinite_pixels = 0;
     int negative_pixels = 0;  ///< clamped at compose
-    /// Of the indirect layer, as records and probes tell (estimateError()); 0 but for Sheen's own
-    /// methods.
-    double estimated_rel_rmse = 0;
-    double estimate_low = 0;
-    double estimate_high = 0;
+    /// Of the indirect layer, as records and probes tell (estimateError()); NaN where they cannot:
+    /// where they meet no light, and for methods without them.
+    double estimated_rel_rmse = std::numeric_limits<double>::quiet_NaN();
+    double estimate_low = std::numeric_limits<double>::quiet_NaN();
+    double estimate_high = std::numeric_limits<double>::quiet_NaN();
     float accuracy = 0;           ///< that the frame was rendered with; 0 for other methods
     int gather_size = 0;          ///< likewise
     int passes = 0;               ///< more than 1 for a target error; 0 for other methods

@@ -9,8 +9,8 @@ namespace sheen::gltf {
 namespace {
 
 // An accessor without a buffer view is all zeros and takes no bytes, so that nothing else limits
-// it.
-constexpr size_t kMaxZeroElements = size_t{1} << 26;
+// it: so many take 24 MiB.
+constexpr size_t kMaxZeroElements = size_t{1} << 20;
 
 const char* componentName(int type) {
     switch (type) {
@@ -140,8 +140,14 @@ std::vector<double> readAccessor(const File& file, const tinygltf::Accessor& acc
         values = readView(file, accessor.bufferView, accessor.byteOffset, accessor.count,
                           accessor.componentType, components, where);
     } else {
-        if (!accessor.sparse.isSparse || accessor.count > kMaxZeroElements) {
+        if (!accessor.sparse.isSparse) {
             file.fail(where, "has no buffer view; export the file uncompressed");
+        }
+        if (accessor.count > kMaxZeroElements) {
+            file.fail(where,
+                      "has {} elements and no buffer view, which may have {}; export the "
+                      "file with their values",
+                      accessor.count, kMaxZeroElements);
         }
         values.assign(accessor.count * components, 0.0);
     }
@@ -171,6 +177,19 @@ ByteSpan bufferViewBytes(const File& file, int buffer_view, const std::string& w
                   view.byteLength, view.byteOffset, buffer.data.size(), view.buffer);
     }
     return {buffer.data.data() + view.byteOffset, view.byteLength};
+}
+
+uint64_t accessorCount(const File& file, const tinygltf::Accessor& accessor) {
+    uint64_t most = kMaxZeroElements;
+    const auto view = static_cast<size_t>(accessor.bufferView);
+    if (accessor.bufferView >= 0 && view < file.model.bufferViews.size()) {
+        most = 0;
+        const auto buffer = static_cast<size_t>(file.model.bufferViews[view].buffer);
+        if (buffer < file.model.buffers.size()) {
+            most = file.model.buffers[buffer].data.size();
+        }
+    }
+    return std::min<uint64_t>(accessor.count, most);
 }
 
 std::vector<float> readFloats(const File& file, int accessor_index, int components,

@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 
+#include "core/memory.h"
 #include "scene/gltf_parts.h"
 
 namespace sheen::gltf {
@@ -20,7 +21,19 @@ const std::set<std::string> kSupported = {"KHR_materials_specular",
                                           "KHR_materials_emissive_strength", "KHR_lights_punctual",
                                           "KHR_mesh_quantization"};
 
+bool isBinary(std::string_view bytes) { return bytes.substr(0, 4) == "glTF"; }
+
+// Looks at the beginning, before memory is taken for the rest.
+void checkBeginning(const std::string& path, std::string_view bytes) {
+    const size_t start = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    if (!isBinary(bytes) && (start == std::string::npos || bytes[start] != '{')) {
+        throwInput("{}: is neither a .glb nor a .gltf file by its content; export it again", path);
+    }
+}
+
 std::string readWholeFile(const std::string& path) {
+    constexpr size_t kBeginning = 4096;
+    constexpr uint64_t kCopies = 3;  // as read, as parsed, as the scene
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(path, error);
     if (!std::filesystem::exists(status)) {
@@ -29,16 +42,29 @@ std::string readWholeFile(const std::string& path) {
     if (std::filesystem::is_directory(status)) {
         throwInput("{}: is a directory; name the .glb or .gltf file in it", path);
     }
+    if (!std::filesystem::is_regular_file(status)) {
+        throwInput("{}: is not a regular file; save the scene to one", path);
+    }
+    const uint64_t size = std::filesystem::file_size(path, error);
     std::ifstream in(path, std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    if (!in.is_open() || in.bad()) {
+    if (error || !in.is_open()) {
         throwInput("{}: cannot be read; check its permissions", path);
     }
-    if (bytes.empty()) {
+    if (size == 0) {
         throwInput("{}: is empty; export it again", path);
     }
-    if (bytes.size() > std::numeric_limits<uint32_t>::max()) {
+    std::string bytes(std::min<uint64_t>(size, kBeginning), '\0');
+    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    checkBeginning(path, bytes);
+    if (size > std::numeric_limits<uint32_t>::max()) {
         throwInput("{}: has more than 4 GiB, which glTF cannot hold; split the scene", path);
+    }
+    checkMemory({.bytes = kCopies * size}, path, "split the scene");
+    const size_t read = bytes.size();
+    bytes.resize(size);
+    in.read(bytes.data() + read, static_cast<std::streamsize>(size - read));
+    if (!in) {
+        throwInput("{}: cannot be read to its end; copy or export it again", path);
     }
     return bytes;
 }
@@ -51,16 +77,9 @@ uint32_t littleEndian32(const std::string& bytes, size_t offset) {
     return value;
 }
 
-bool isBinary(const std::string& bytes) { return bytes.compare(0, 4, "glTF") == 0; }
-
 // Checks a .glb file's header and returns its JSON; for other files the whole text.
 std::string_view jsonOf(const std::string& path, const std::string& bytes) {
     if (!isBinary(bytes)) {
-        const size_t start = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-        if (start == std::string::npos || bytes[start] != '{') {
-            throwInput("{}: is neither a .glb nor a .gltf file by its content; export it again",
-                       path);
-        }
         return bytes;
     }
     if (bytes.size() < kGlbHeaderSize) {
@@ -115,13 +134,17 @@ bool keepImage(tinygltf::Image* image, const int, std::string*, std::string*, in
 
 // External files must be regular ones: a scene cannot name a device or a directory.
 bool readExternal(std::vector<unsigned char>* out, std::string* error, const std::string& path,
-                  void* user_data) {
+                  void* files) {
     std::error_code code;
     if (!std::filesystem::is_regular_file(path, code)) {
         *error += fmt::format("{} is not a file", path);
         return false;
     }
-    return tinygltf::ReadWholeFile(out, error, path, user_data);
+    static_cast<std::vector<std::string>*>(files)->push_back(path);
+    constexpr uint64_t kCopies = 2;  // as read, as decoded or in the scene
+    checkMemory({.bytes = kCopies * std::filesystem::file_size(path, code)}, path,
+                "split the scene");
+    return tinygltf::ReadWholeFile(out, error, path, nullptr);
 }
 
 void checkRequiredExtensions(const File& file) {
@@ -189,7 +212,7 @@ void parse(File& file) {
     tinygltf::TinyGLTF parser;
     parser.SetImageLoader(&keepImage, nullptr);
     parser.SetFsCallbacks({&tinygltf::FileExists, &tinygltf::ExpandFilePath, &readExternal,
-                           &tinygltf::WriteWholeFile, nullptr});
+                           &tinygltf::WriteWholeFile, &file.read});
     const std::string folder = std::filesystem::path(file.path).parent_path().string();
     const auto size = static_cast<unsigned int>(bytes.size());
     std::string error;
@@ -202,6 +225,8 @@ void parse(File& file) {
                            reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
                      : parser.LoadASCIIFromString(&file.model, &error, &warning, bytes.data(), size,
                                                   folder);
+    } catch (const Error&) {
+        throw;
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& e) {  // of the JSON library, on values of the wrong type

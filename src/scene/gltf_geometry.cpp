@@ -1,5 +1,6 @@
 // Meshes: primitives become triangles in world space, with what is broken in them mended or left
 // out and counted.
+#include <algorithm>
 #include <cmath>
 
 #include "scene/gltf_parts.h"
@@ -139,6 +140,21 @@ vec3 crossOf(const Primitive& primitive, const uvec3& t) {
     return glm::cross(primitive.positions[t.y] - p, primitive.positions[t.z] - p);
 }
 
+// Whether two corners are one, as at a sphere's poles: such a triangle is left out without a word,
+// since its neighbours close the surface.
+bool isCollapsed(const Primitive& primitive, const uvec3& t) {
+    constexpr float kOnePoint = 1e-12f;  // of the longest edge, squared
+    float shortest = kInfinity;
+    float longest = 0.0f;
+    for (int corner = 0; corner < 3; ++corner) {
+        const vec3 edge = primitive.positions[t[(corner + 1) % 3]] - primitive.positions[t[corner]];
+        const float length2 = glm::dot(edge, edge);
+        shortest = std::min(shortest, length2);
+        longest = std::max(longest, length2);
+    }
+    return shortest <= kOnePoint * longest;
+}
+
 // Leaves out triangles whose geometric normal does not exist in float arithmetic.
 void dropDegenerate(File& file, Primitive& primitive) {
     size_t kept = 0;
@@ -153,16 +169,19 @@ void dropDegenerate(File& file, Primitive& primitive) {
         const vec3 n = crossOf(primitive, t);
         const float length2 = glm::dot(n, n);
         if (!(length2 >= std::numeric_limits<float>::min()) || !std::isfinite(length2)) {
-            ++no_area;
+            no_area += isCollapsed(primitive, t) ? 0 : 1;
             continue;
         }
         primitive.triangles[kept++] = t;
     }
+    const bool all_flat = kept == 0 && non_finite == 0 && !primitive.triangles.empty();
     primitive.triangles.resize(kept);
     if (non_finite > 0) {
         file.notes.add("triangle with coordinates that are not finite left out", non_finite);
     }
-    if (no_area > 0) {
+    if (all_flat) {
+        file.notes.add("mesh without area left out: is its node scaled to zero?");
+    } else if (no_area > 0) {
         file.notes.add("triangle without area left out", no_area);
     }
 }

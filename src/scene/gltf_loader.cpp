@@ -7,6 +7,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <set>
 
+#include "core/memory.h"
 #include "scene/gltf_parts.h"
 
 namespace sheen {
@@ -16,8 +17,36 @@ namespace {
 // Squares of distances up to here are floats.
 constexpr double kLargestExtent = 1e18;
 
+// What the lights bring to a scene, in lux or nits: beyond these, squares of radiances and what is
+// a thousandth of the brightest leave the range of floats.
+constexpr double kDimmestLevel = 1e-12;
+constexpr double kBrightestLevel = 1e12;
+
+// A node's matrix, whose last row must be 0 0 0 w; w divides all else.
+glm::dmat4 affineMatrix(File& file, const std::vector<double>& values, const std::string& where) {
+    constexpr double kRounding = 1e-6;
+    glm::dmat4 matrix = glm::make_mat4(values.data());
+    const double w = matrix[3][3];
+    const glm::dvec3 row(matrix[0][3], matrix[1][3], matrix[2][3]);
+    if (w == 0.0 || glm::length(row) > kRounding * std::abs(w)) {
+        file.fail(where,
+                  "its matrix is projective: the last row is {} {} {} {} and must be 0 0 0 1; "
+                  "export the file again",
+                  row.x, row.y, row.z, w);
+    }
+    if (std::abs(w - 1.0) > kRounding) {
+        file.notes.add(fmt::format(
+            "{}: the last element of its matrix is {} and should be 1: all of it divided by that",
+            where, w));
+        matrix /= w;
+    }
+    matrix[0][3] = matrix[1][3] = matrix[2][3] = 0.0;
+    matrix[3][3] = 1.0;
+    return matrix;
+}
+
 // The glTF matrix of a node, from its matrix or its translation, rotation and scale.
-glm::dmat4 localTransform(const File& file, const tinygltf::Node& node, const std::string& where) {
+glm::dmat4 localTransform(File& file, const tinygltf::Node& node, const std::string& where) {
     const auto check = [&](const std::vector<double>& values, size_t count, const char* what) {
         if (!values.empty() && values.size() != count) {
             file.fail(where, "{} must hold {} numbers, not {}", what, count, values.size());
@@ -28,7 +57,7 @@ glm::dmat4 localTransform(const File& file, const tinygltf::Node& node, const st
         return !values.empty();
     };
     if (check(node.matrix, 16, "matrix")) {
-        return glm::make_mat4(node.matrix.data());
+        return affineMatrix(file, node.matrix, where);
     }
     glm::dmat4 transform(1.0);
     if (check(node.translation, 3, "translation")) {
@@ -88,16 +117,31 @@ void appendCamera(File& file, const tinygltf::Node& node, const glm::dmat4& worl
                                               "aspectRatio"))});
 }
 
-// Sets a spot's cone as KHR_lights_punctual recommends.
-void setCone(const File& file, const tinygltf::SpotLight& spot, const std::string& where,
+// Sets a spot's cone as KHR_lights_punctual recommends, but for the least difference of cosines
+// over which light falls to zero. 0.001 as there would dim a narrow cone's axis; here a hard edge
+// takes a thousandth of any cone.
+void setCone(File& file, const tinygltf::SpotLight& spot, const std::string& where,
              PunctualLight& light) {
+    constexpr double kHardEdge = 1e-3;
+    constexpr double kRounding = 1e-6;   // of angles that were floats
+    constexpr double kNarrowest = 2e-3;  // that cosines in floats can tell from none
     const double inner = spot.innerConeAngle;
     const double outer = spot.outerConeAngle;
-    if (!(inner >= 0.0) || !(outer > inner) || !(outer <= 1.5707964)) {
-        file.fail(where, "cone angles must be 0 <= inner < outer <= pi/2, but are {} and {}", inner,
-                  outer);
+    if (!(inner >= 0.0) || !(outer >= inner - kRounding) || !(outer <= 1.5707964)) {
+        file.fail(where, "cone angles must be 0 <= inner <= outer <= pi/2, but are {} and {}",
+                  inner, outer);
     }
-    const double scale = 1.0 / std::max(0.001, std::cos(inner) - std::cos(outer));
+    if (!(outer >= kNarrowest)) {
+        file.fail(where, "its cone of {} radians is too narrow; widen it to {} or more", outer,
+                  kNarrowest);
+    }
+    if (inner >= outer) {
+        file.notes.add(fmt::format(
+            "{}: innerConeAngle is as large as outerConeAngle and clamped: its edge is hard",
+            where));
+    }
+    const double scale =
+        1.0 / std::max(kHardEdge * (1.0 - std::cos(outer)), std::cos(inner) - std::cos(outer));
     light.spot_scale = static_cast<float>(scale);
     light.spot_offset = static_cast<float>(-std::cos(outer) * scale);
     light.cos_outer = static_cast<float>(std::cos(outer));
@@ -123,6 +167,10 @@ void appendLight(File& file, const tinygltf::Node& node, const glm::dmat4& world
         source.range > 0.0 ? finiteFloat(file, 1.0 / source.range, light_where, "1/range") : 0.0f;
     for (int c = 0; c < 3; ++c) {
         const double color = source.color.empty() ? 1.0 : source.color[static_cast<size_t>(c)];
+        if (color < 0.0) {
+            file.notes.add(
+                fmt::format("{}: color {} is negative and counts as 0", light_where, color));
+        }
         light.intensity[c] =
             std::max(0.0f, finiteFloat(file, source.intensity * color, light_where, "intensity"));
     }
@@ -224,6 +272,30 @@ void walkNodes(File& file, Scene& scene) {
     }
 }
 
+// Many nodes may show one mesh, and a small file become a large scene.
+void checkMeshMemory(const File& file) {
+    constexpr uint64_t kBytesPerCorner = 96;  // a vertex each, while arrays grow
+    const tinygltf::Model& model = file.model;
+    uint64_t corners = 0;
+    for (const tinygltf::Node& node : model.nodes) {
+        if (node.mesh < 0 || static_cast<size_t>(node.mesh) >= model.meshes.size()) {
+            continue;
+        }
+        for (const tinygltf::Primitive& p :
+             model.meshes[static_cast<size_t>(node.mesh)].primitives) {
+            const auto position = p.attributes.find("POSITION");
+            const int index = p.indices >= 0                   ? p.indices
+                              : position == p.attributes.end() ? -1
+                                                               : position->second;
+            if (index >= 0 && static_cast<size_t>(index) < model.accessors.size()) {
+                corners += accessorCount(file, model.accessors[static_cast<size_t>(index)]);
+            }
+        }
+    }
+    checkMemory({.bytes = corners * kBytesPerCorner}, file.path,
+                fmt::format("its meshes have {} corners, simplify them", corners));
+}
+
 void checkExtent(const File& file, const Scene& scene) {
     const Bounds& b = scene.bounds;
     if (b.empty()) {
@@ -239,6 +311,43 @@ void checkExtent(const File& file, const Scene& scene) {
     if (size > kLargestExtent) {
         file.fail("meshes", "together they extend over {} m, more than {}; scale or mend them",
                   size, kLargestExtent);
+    }
+}
+
+// The illuminance that a light brings to the scene's middle, or to its rim where it lies inside.
+double levelOf(const PunctualLight& light, const Bounds& bounds) {
+    const double intensity = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
+    if (light.kind == shared::LIGHT_DIRECTIONAL) {
+        return intensity;
+    }
+    const double distance =
+        std::max<double>(glm::distance(glm::dvec3(light.position), glm::dvec3(bounds.center())),
+                         0.5 * bounds.size());
+    return intensity / (distance * distance);
+}
+
+// Light that floats cannot follow is refused: the image would be black, white or not finite.
+void checkLightLevel(const File& file, const Scene& scene) {
+    double brightest = 0.0;
+    const auto check = [&](double level, const std::string& where, const char* unit) {
+        if (level > kBrightestLevel) {
+            file.fail(where, "brings {:.3g} {} to the scene, more than {:g}; make it dimmer", level,
+                      unit, kBrightestLevel);
+        }
+        brightest = std::max(brightest, level);
+    };
+    for (size_t i = 0; i < scene.lights.size() && !scene.bounds.empty(); ++i) {
+        check(levelOf(scene.lights[i], scene.bounds), label("light", i, scene.light_names[i]),
+              "lux");
+    }
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+        const vec3& emission = scene.materials[i].params.emission;
+        check(std::max({emission.x, emission.y, emission.z}),
+              label("material", i, scene.materials[i].name), "nits");
+    }
+    if (brightest > 0.0 && brightest < kDimmestLevel) {
+        file.fail("lights", "bring {:.3g} lux to the scene, less than {:g}; make them brighter",
+                  brightest, kDimmestLevel);
     }
 }
 
@@ -285,8 +394,11 @@ Scene loadScene(const std::string& path) {
     try {
         gltf::parse(file);
         gltf::loadMaterials(file, scene);
+        gltf::checkMeshMemory(file);
         gltf::walkNodes(file, scene);
         gltf::checkExtent(file, scene);
+        gltf::checkLightLevel(file, scene);
+        gltf::separateCoplanar(file, scene);
     } catch (const std::bad_alloc&) {
         throwEnvironment("{}: not enough memory to load it", path);
     }
@@ -308,6 +420,8 @@ Scene loadScene(const std::string& path) {
                 "export it with a camera to see it from there");
         }
     }
+    scene.files = std::move(file.read);
+    scene.files.push_back(path);
     scene.warnings = file.notes.lines();
     return scene;
 }

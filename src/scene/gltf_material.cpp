@@ -7,6 +7,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "core/memory.h"
 #include "scene/gltf_parts.h"
 
 namespace sheen::gltf {
@@ -155,6 +156,9 @@ void checkImage(const File& file, const ByteSpan& bytes, const std::string& wher
                   "its {} bytes cannot hold the {} x {} texels it promises; use an intact image",
                   bytes.size, width, height);
     }
+    constexpr int64_t kBytesPerTexel = 24;  // as decoded, and as linear light
+    checkMemory({.bytes = static_cast<uint64_t>(texels * kBytesPerTexel)},
+                fmt::format("{}: {}", file.path, where), "use a smaller image");
 }
 
 // At least three components.

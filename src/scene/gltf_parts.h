@@ -29,6 +29,7 @@ class Notes {
 /// A file being loaded.
 struct File {
     std::string path;
+    std::vector<std::string> read = {};  ///< files that `path` names
     tinygltf::Model model;
     Notes notes;
 
@@ -74,6 +75,9 @@ struct ByteSpan {
 };
 ByteSpan bufferViewBytes(const File& file, int buffer_view, const std::string& where);
 
+/// How many elements an accessor has, or fewer where the file cannot hold them.
+uint64_t accessorCount(const File& file, const tinygltf::Accessor& accessor);
+
 /// An accessor's values as floats, [element][components]; `components` is 2 or 3. Normalised
 /// integers become [0, 1] or [-1, 1]; sparse accessors are filled in.
 std::vector<float> readFloats(const File& file, int accessor, int components, Integers integers,
@@ -89,6 +93,11 @@ void loadMaterials(File& file, Scene& scene);
 
 /// Appends a mesh, transformed to world space.
 void appendMesh(File& file, int mesh, const glm::dmat4& world_from_mesh, Scene& scene);
+
+/// Where surfaces of different materials that face one way lie in one plane, the later of them in
+/// the file is put in front of the other, and noted. Each would win in places otherwise, others for
+/// rays than for rasterisers.
+void separateCoplanar(File& file, Scene& scene);
 
 /// A finite float from a JSON number, or an input error.
 float finiteFloat(const File& file, double value, const std::string& where, const char* what);

@@ -52,6 +52,7 @@ struct Scene {
     std::vector<std::string> light_names;
     std::vector<Camera> cameras;
     Bounds bounds;
+    std::vector<std::string> files;     ///< that were read: the scene's own and those it names
     std::vector<std::string> warnings;  ///< one line each: what the loader had to leave out or mend
 
     int triangleCount() const { return static_cast<int>(triangles.size()); }

@@ -20,8 +20,26 @@ vec3 specularAt(const GBuffer& gbuffer, const PixelClasses& classes, const Pixel
     const vec3 said = classes.orders.at(x, y) > shared::DIFFUSE_ORDER
                           ? lobes.scale.at(x, y) * vec3(splat.specular.at(x, y)) / sum.w
                           : albedo * vec3(sum) / (kPi * sum.w);
-    const vec4& missed = splat.missed.at(x, y);
+    const vec4 missed = splat.missed.pixels.empty() ? vec4(0.0f) : splat.missed.at(x, y);
     return missed.w > 0.0f ? said + albedo * vec3(missed) / missed.w : said;
+}
+
+void fillGeometry(const GBuffer& gbuffer, Frame& frame) {
+    for (Image<vec3>* image : {&frame.albedo, &frame.normal, &frame.position}) {
+        *image = Image<vec3>(gbuffer.width, gbuffer.height);
+    }
+    frame.roughness = Image<float>(gbuffer.width, gbuffer.height);
+    frame.depth = Image<float>(gbuffer.width, gbuffer.height, kInfinity);
+    for (int i = 0; i < gbuffer.width * gbuffer.height; ++i) {
+        if (gbuffer.seen(i)) {
+            const auto pixel = static_cast<size_t>(i);
+            frame.albedo.pixels[pixel] = vec3(gbuffer.diffuse.pixels[pixel]);
+            frame.normal.pixels[pixel] = vec3(gbuffer.normal.pixels[pixel]);
+            frame.position.pixels[pixel] = vec3(gbuffer.position.pixels[pixel]);
+            frame.roughness.pixels[pixel] = gbuffer.normal.pixels[pixel].w;
+            frame.depth.pixels[pixel] = gbuffer.position.pixels[pixel].w;
+        }
+    }
 }
 
 }  // namespace
@@ -40,16 +58,17 @@ Image<vec3> cachedSpecular(const GBuffer& gbuffer, const PixelClasses& classes,
 }
 
 ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                      const SplatBuffer& splat, const Image<vec3>& by_rays, bool irradiance_only,
-                      Frame& frame) {
+                      const SplatBuffer& splat, const Image<vec3>& by_rays,
+                      const ComposeParams& params, Frame& frame) {
     const int width = gbuffer.width;
     const int height = gbuffer.height;
-    for (Image<vec3>* image : {&frame.direct, &frame.indirect, &frame.indirect_diffuse,
-                               &frame.emission, &frame.albedo, &frame.normal, &frame.position}) {
+    for (Image<vec3>* image :
+         {&frame.direct, &frame.indirect, &frame.indirect_diffuse, &frame.emission}) {
         *image = Image<vec3>(width, height);
     }
-    frame.roughness = Image<float>(width, height);
-    frame.depth = Image<float>(width, height, kInfinity);
+    if (params.geometry) {
+        fillGeometry(gbuffer, frame);
+    }
     frame.weight = Image<float>(width, height);
     frame.primitive = gbuffer.primitive;
     std::atomic<int> nonfinite = 0;
@@ -59,14 +78,7 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
             if (!gbuffer.seen(y * width + x)) {
                 continue;
             }
-            const vec4 position = gbuffer.position.at(x, y);
-            const vec4 normal = gbuffer.normal.at(x, y);
             const vec4 diffuse = gbuffer.diffuse.at(x, y);
-            frame.albedo.at(x, y) = vec3(diffuse);
-            frame.normal.at(x, y) = vec3(normal);
-            frame.position.at(x, y) = vec3(position);
-            frame.roughness.at(x, y) = normal.w;
-            frame.depth.at(x, y) = position.w;
             const vec3 direct(gbuffer.direct.at(x, y));
             frame.direct.at(x, y) = finite(direct) ? direct : vec3(0.0f);
             nonfinite += finite(direct) ? 0 : 1;
@@ -80,7 +92,7 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
             vec3 specular(0.0f);
             if (classes.by_rays.at(x, y) != 0) {
                 specular = by_rays.at(x, y);
-            } else if (!irradiance_only) {
+            } else if (!params.irradiance_only) {
                 specular = specularAt(gbuffer, classes, lobes, splat, x, y);
             }
             vec3 diffuse_part = vec3(diffuse) * irradiance / kPi;

@@ -19,7 +19,8 @@ namespace sheen {
 struct SplatBuffer {
     Image<vec4> irradiance;  ///< weight * irradiance; w: sum of weights
     Image<vec4> specular;    ///< weight * lobe convolved, before PixelLobes::scale; w: unused
-    /// Over the records on the pixel's own material: weight * recordMissed(), sum of weights.
+    /// Over the records on the pixel's own material: weight * recordMissed(), sum of weights; empty
+    /// where no record missed anything.
     Image<vec4> missed;
 };
 
@@ -49,11 +50,15 @@ struct ComposeCounts {
     int negative = 0;   ///< pixels with a channel below zero, clamped
 };
 
+struct ComposeParams {
+    bool irradiance_only = false;  ///< the diffuse part alone, on all surfaces
+    bool geometry = true;  ///< also fill the layers of what the camera sees: 44 bytes a pixel
+};
+
 /// Divides by the weights, applies the reflectances and fills the frame's layers. `by_rays`: what
-/// reflectSpecular() found; empty where no pixel is by rays. `irradiance_only`: the diffuse part
-/// alone, on all surfaces.
+/// reflectSpecular() found; empty where no pixel is by rays.
 ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                      const SplatBuffer& splat, const Image<vec3>& by_rays, bool irradiance_only,
-                      Frame& frame);
+                      const SplatBuffer& splat, const Image<vec3>& by_rays,
+                      const ComposeParams& params, Frame& frame);
 
 }  // namespace sheen

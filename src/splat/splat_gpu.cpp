@@ -185,13 +185,15 @@ struct Target {
         }
     }
 
-    void read(int sum, Image<vec4>& image) const {
+    Image<vec4> read(int sum, int width, int height) const {
         using namespace gl;
+        Image<vec4> image(width, height);
         glNamedFramebufferReadBuffer(framebuffer.name(),
                                      GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(sum));
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
         glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_FLOAT, image.pixels.data());
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
+        return image;
     }
 };
 
@@ -237,10 +239,8 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
     using namespace gl;
     const int width = gbuffer.width;
     const int height = gbuffer.height;
-    SplatBuffer result{Image<vec4>(width, height), Image<vec4>(width, height),
-                       Image<vec4>(width, height)};
     if (cache.records.empty()) {
-        return result;
+        return {Image<vec4>(width, height), Image<vec4>(width, height), {}};
     }
     const std::vector<int>& orders = classes.orders.pixels;
     const int greatest_order = *std::max_element(orders.begin(), orders.end());
@@ -253,7 +253,8 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         passes.push_back(specularPass(cache, i));
     }
     const std::vector<vec4> bounds = clipBounds(gbuffer, cache, weight);
-    const Image<uvec4> normals = packNormals(gbuffer, lobes);
+    Image<uvec4> normals = packNormals(gbuffer, lobes);
+    SplatBuffer result;
     pool.runOnFirst([&] {
         const gl::Texture position_texture = makeTexture2d(GL_RGBA32F, width, height);
         const gl::Texture normal_texture = makeTexture2d(GL_RGBA32UI, width, height);
@@ -261,6 +262,7 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
                             gbuffer.position.pixels.data());
         glTextureSubImage2D(normal_texture.name(), 0, 0, 0, width, height, GL_RGBA_INTEGER,
                             GL_UNSIGNED_INT, normals.pixels.data());
+        normals = {};
         const Buffer lobe_buffer = makeBuffer(std::span<const int16_t>(lobes.steps));
         const gl::Texture lobe_texture = makeBufferTexture(GL_RGBA32I, lobe_buffer);
         const auto bind = [](GLuint unit, const gl::Texture& texture, GLenum format) {
@@ -297,11 +299,8 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelCl
         glDepthMask(GL_TRUE);
         glDisable(GL_DEPTH_TEST);
         glDisable(GL_BLEND);
-        irradiance.read(0, result.irradiance);
-        if (missed) {
-            irradiance.read(1, result.missed);
-        }
-        specular.read(0, result.specular);
+        result = {irradiance.read(0, width, height), specular.read(0, width, height),
+                  missed ? irradiance.read(1, width, height) : Image<vec4>()};
     });
     return result;
 }
