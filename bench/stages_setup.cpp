@@ -78,6 +78,7 @@ PixelClasses uniformClasses(const GBuffer& gbuffer, int order) {
     PixelClasses classes;
     classes.orders = Image<int>(gbuffer.width, gbuffer.height, kNoOrder);
     classes.by_rays = Image<uint8_t>(gbuffer.width, gbuffer.height);
+    classes.materials = Image<int>(gbuffer.width, gbuffer.height);
     for (int i = 0; i < gbuffer.width * gbuffer.height; ++i) {
         if (gbuffer.seen(i)) {
             classes.orders.pixels[static_cast<size_t>(i)] = order;

@@ -292,6 +292,7 @@ Composed composeFour(
     PixelClasses classes;
     classes.orders = Image<int>(4, 1, order);
     classes.by_rays = Image<uint8_t>(4, 1);
+    classes.materials = Image<int>(4, 1);
     PixelLobes lobes{Image<int>(4, 1, order > 0 ? 0 : -1), {0}, Image<vec3>(4, 1, vec3(1.0f))};
     SplatBuffer splat{Image<vec4>(4, 1), Image<vec4>(4, 1), {}};
     splat.irradiance.pixels.assign(irradiance.begin(), irradiance.end());

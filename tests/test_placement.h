@@ -36,6 +36,8 @@ inline Stage makeStage(int order_left, int order_right, float scale = 1.0f) {
     g.position = g.normal = g.diffuse = g.f0 = Image<vec4>(kWidth, kHeight);
     g.primitive = Image<uint32_t>(kWidth, kHeight, kNoPrimitive);
     stage.classes.orders = Image<int>(kWidth, kHeight, kNoOrder);
+    stage.classes.by_rays = Image<uint8_t>(kWidth, kHeight);
+    stage.classes.materials = Image<int>(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
             const CameraRay ray =
