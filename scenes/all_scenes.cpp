@@ -8,6 +8,7 @@ const std::vector<NamedScene>& allScenes() {
         {"cornell_glossy.glb", &cornellGlossy, true},
         {"venus_glossy.glb", &venusGlossy, true},
         {"atrium.glb", &atrium, true},
+        {"ledges.glb", &ledges},
         {"furnace.glb", &furnace},
         {"sphere_room.glb", &sphereRoom},
     };

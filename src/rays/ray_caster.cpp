@@ -173,20 +173,38 @@ uint32_t RayCaster::reached(const PunctualLight& light, std::span<const Receiver
     return reached;
 }
 
-size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCells* cells,
-                       vec4* seen, vec3* planes, Hit* hits) const {
+// Casts at most a packet of rays.
+void RayCaster::intersect(const vec3& origin, std::span<const vec3> directions,
+                          RTCRayHit8& met) const {
     RTCIntersectContext context = coherentContext();
     Mask cast;
-    alignas(32) RTCRayHit8 met;
-    for (size_t i = first; i < end; ++i) {
-        const auto k = static_cast<int>(i - first);
+    for (size_t i = 0; i < directions.size(); ++i) {
+        const auto k = static_cast<int>(i);
         cast.lanes[k] = -1;
-        setRay(met.ray, k, rays.origin, rays.directions[i], kInfinity);
+        setRay(met.ray, k, origin, directions[i], kInfinity);
         met.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
         met.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
     }
     rtcIntersect8(cast.lanes, embree_.get(), &context, &met);
+}
 
+void RayCaster::meetFirst(const vec3& origin, std::span<const vec3> directions,
+                          FirstHit* hits) const {
+    SHEEN_CHECK(directions.size() <= kPacket);
+    alignas(32) RTCRayHit8 met;
+    intersect(origin, directions, met);
+    for (size_t i = 0; i < directions.size(); ++i) {
+        hits[i] = {.found = met.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID,
+                   .triangle = met.hit.primID[i],
+                   .u = met.hit.u[i],
+                   .v = met.hit.v[i]};
+    }
+}
+
+size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCells* cells,
+                       vec4* seen, vec3* planes, Hit* hits) const {
+    alignas(32) RTCRayHit8 met;
+    intersect(rays.origin, rays.directions.subspan(first, end - first), met);
     size_t count = 0;
     for (size_t i = first; i < end; ++i) {
         const auto k = static_cast<int>(i - first);

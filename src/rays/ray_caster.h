@@ -5,6 +5,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <cstdint>
 #include <memory>
 #include <span>
 
@@ -44,6 +45,16 @@ class RayCaster {
     void cast(const Rays& rays, vec4* seen, const LightCells* cells = nullptr,
               vec3* planes = nullptr) const;
 
+    /// What a ray meets first: a triangle, and there the barycentric coordinates of its second and
+    /// third vertex.
+    struct FirstHit {
+        bool found = false;
+        uint32_t triangle = 0;
+        float u = 0, v = 0;
+    };
+    /// For each of at most kPacket directions from `origin`; as many `hits`.
+    void meetFirst(const vec3& origin, std::span<const vec3> directions, FirstHit* hits) const;
+
     /// A point of a surface that may be lit; for the vectors see origin().
     struct Receiver {
         vec3 position, n_g, toward_viewer;
@@ -66,6 +77,7 @@ class RayCaster {
     };
     void build();
     struct Hit;
+    void intersect(const vec3& origin, std::span<const vec3> directions, RTCRayHit8& met) const;
     size_t meet(const Rays& rays, size_t first, size_t end, const LightCells* cells, vec4* seen,
                 vec3* planes, Hit* hits) const;
     void light(const Rays& rays, std::span<const Hit> hits, vec4* seen) const;

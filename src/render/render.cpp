@@ -109,48 +109,44 @@ struct Stage {
     }
 };
 
-// scene -> G-buffer -> classes -> light on surfaces, for records to see -> rays where the cache
-// cannot follow. Direct light comes from rays where records use rays, else from shadow maps.
+// scene -> rays -> G-buffer -> classes -> light on surfaces, for records to see -> rays where the
+// cache cannot follow. Direct light comes from rays where records use rays, else from shadow maps.
 Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds)
     // Only the raster gather draws with more than one context.
     : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount(), threadCount()) {
     const bool by_rays = params.gather_road == GatherRoad::kRays;
-    const Timer shadow_timer;
-    pool.runOnFirst([&] { gpu = uploadScene(scene, by_rays ? GpuUse::kCamera : GpuUse::kGather); });
-    if (!by_rays) {
-        renderShadowMaps(pool, scene, gpu);
-    }
-    seconds.shadow = shadow_timer.seconds();
+    const Timer rays_timer;
+    rays.emplace(scene);
+    seconds.gather = rays_timer.seconds();
 
     const Timer gbuffer_timer;
-    gbuffer = renderGBuffer(pool, scene, gpu, findCamera(scene, params.camera), params.width,
-                            params.height);
+    gbuffer = renderGBuffer(*rays, findCamera(scene, params.camera), params.width, params.height);
     classes = classifyPixels(scene, gbuffer, params.sh_order, params.method == Method::kIrradiance);
     lobes = buildLobes(gbuffer, classes);
     checkSplat(pool, lobes);
     seconds.gbuffer = gbuffer_timer.seconds();
 
-    const Timer gather_timer;
-    const bool specular_rays = classes.anyByRays();
-    if (by_rays || specular_rays) {
-        rays.emplace(scene);
+    const Timer shadow_timer;
+    if (by_rays) {
+        gbuffer.direct = traceDirect(*rays, gbuffer);
+    } else {
+        pool.runOnFirst([&] { gpu = uploadScene(scene); });
+        renderShadowMaps(pool, scene, gpu);
+        lightGBuffer(pool, gpu, gbuffer);
     }
+    seconds.shadow = shadow_timer.seconds();
+
+    const Timer gather_timer;
     if (by_rays) {
         cells.emplace(*rays);
     } else {
         lightSurfaces(pool, gpu);
     }
-    if (specular_rays) {
+    if (classes.anyByRays()) {
         specular =
             traceSpecular(*rays, cells ? &*cells : nullptr, gbuffer, classes, params.specular);
     }
-    seconds.gather = gather_timer.seconds();
-
-    if (by_rays) {
-        const Timer direct_timer;
-        gbuffer.direct = traceDirect(*rays, gbuffer);
-        seconds.shadow += direct_timer.seconds();
-    }
+    seconds.gather += gather_timer.seconds();
 }
 
 // Places records with a gatherer of either kind, and adds how long each part took.
