@@ -128,16 +128,12 @@ void registerBuild(Setup& setup, const SceneChoice& choice) {
         const BenchScene& s = setup.gatherScene(choice).scene;
         measureBuild(state, s.scene, [&] { const LightCells cells(s.rays); });
     });
-    const auto upload = [&](const char* part, GpuUse use) {
-        add(part, [&setup, choice, use](State& state) {
-            const Scene& scene = setup.gatherScene(choice).scene.scene;
-            measureBuild(state, scene, [&] {
-                setup.pool().runOnFirst([&] { const GpuScene gpu = uploadScene(scene, use); });
-            });
+    add("levels", [&setup, choice](State& state) {
+        const Scene& scene = setup.gatherScene(choice).scene.scene;
+        measureBuild(state, scene, [&] {
+            setup.pool().runOnFirst([&] { const GpuScene gpu = uploadScene(scene); });
         });
-    };
-    upload("upload", GpuUse::kCamera);
-    upload("levels", GpuUse::kGather);
+    });
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "cache/creases.h"
@@ -60,6 +61,7 @@ class Placer {
         GatheredRecord gathered;
         int pixel = 0;
         float footprint = 0;
+        float allowed = 0;   // radius that its light and its neighbours allow, below any bound
         float outgoing = 0;  // luminance toward the camera at its own pixel
     };
 
@@ -106,7 +108,8 @@ class Placer {
     RecordSite siteAt(const Choice& choice, bool first) const;
     std::vector<Choice> chooseSites(int pixel, int stride) const;
     void place(const std::vector<Choice>& choices, bool first);
-    float clampedRadius(const Placed& placed) const;
+    float allowedRadius(const Placed& placed) const;
+    float servingRadius(const Placed& placed) const;
     float splitSphereRadius(const GatheredRecord& g) const;
     float hessianRadius(const GatheredRecord& g, float image_height) const;
     float predictedOutgoing(const GatheredRecord& g, int pixel) const;
@@ -171,7 +174,7 @@ RecordSite Placer::siteAt(const Choice& choice, bool first) const {
 }
 
 // The radius a record at a pixel will most likely have: that of the nearest one placed so far,
-// since neighbours on a surface have similar ones, within the bounds that clampedRadius() keeps.
+// since neighbours on a surface have similar ones, within bounds.
 float Placer::predictedRadius(int pixel, size_t nearest) const {
     return std::clamp(nearest == kNone ? kInfinity : placed_[nearest].gathered.record.radius,
                       leastRadius(footprint(pixel)), greatestRadius(pixel));
@@ -221,7 +224,9 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
         const int pixel = choices[i].pixel;
         placed_.push_back({std::move(gathered[i]), pixel, footprint(pixel)});
         Record& record = placed_.back().gathered.record;
-        record.radius = clampedRadius(placed_.back());
+        placed_.back().allowed = allowedRadius(placed_.back());
+        record.radius = std::clamp(placed_.back().allowed, leastRadius(footprint(pixel)),
+                                   greatestRadius(pixel));
         placed_.back().outgoing = predictedOutgoing(placed_.back().gathered, pixel);
         heedNeighbours(placed_.size() - 1);
         clampNeighbours(placed_.size() - 1);
@@ -233,19 +238,27 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
     }
 }
 
-// The radius that the error control asks for, in footprints within bounds.
-float Placer::clampedRadius(const Placed& placed) const {
-    float radius = 0.0f;
+// The radius that the error control asks for.
+float Placer::allowedRadius(const Placed& placed) const {
     switch (params_.control) {
         case ErrorControl::kSplitSphere:
-            radius = splitSphereRadius(placed.gathered);
-            break;
+            return splitSphereRadius(placed.gathered);
         case ErrorControl::kHessian:
-            radius = hessianRadius(placed.gathered,
-                                   placed.footprint * static_cast<float>(gbuffer_.height));
-            break;
+            return hessianRadius(placed.gathered,
+                                 placed.footprint * static_cast<float>(gbuffer_.height));
     }
-    return std::clamp(radius, leastRadius(placed.footprint), greatestRadius(placed.pixel));
+    throw std::logic_error("unknown error control");
+}
+
+// By the serving weight, which reaches farther than the one that records are placed by. Where light
+// changes within a pixel, at contacts and beside thin ledges, the least reach is more than it
+// allows already: there a record serves no farther than it was placed for, or each pixel would take
+// half of its light from its neighbours.
+float Placer::servingRadius(const Placed& placed) const {
+    const float radius = placed.gathered.record.radius;
+    const float least = radius / params_.overlap;
+    const bool crease = creases_.pixels[static_cast<size_t>(placed.pixel)] != 0;
+    return crease ? least : std::clamp(placed.allowed, least, radius);
 }
 
 // Harmonic mean distance, limited by the relative change of irradiance. [WRC88]
@@ -280,6 +293,7 @@ float Placer::predictedOutgoing(const GatheredRecord& g, int pixel) const {
 // Shrinks a placed record's radius to `radius`, if that is smaller, and takes its weights along.
 void Placer::limitRadius(size_t placed, float radius) {
     Record& record = placed_[placed].gathered.record;
+    placed_[placed].allowed = std::min(placed_[placed].allowed, radius);
     const float limit = std::max(radius, leastRadius(placed_[placed].footprint));
     if (limit < record.radius) {
         splat(record, false);
@@ -334,6 +348,7 @@ void Placer::heedNeighbours(size_t added) {
                 allowed(predictedOutgoing(fresh.gathered, other.pixel), other.outgoing);
             const float of_other =
                 allowed(predictedOutgoing(other.gathered, fresh.pixel), fresh.outgoing);
+            fresh.allowed = std::min(fresh.allowed, of_fresh);
             record.radius =
                 std::max(std::min(record.radius, of_fresh), leastRadius(fresh.footprint));
             limitRadius(j, of_other);
@@ -409,6 +424,7 @@ Placement Placer::run(bool quiet) {
     // by no more than a share of it.
     for (Placed& p : placed_) {
         Record& r = p.gathered.record;
+        r.radius = servingRadius(p);
         const float reach = params_.servingWeight().accuracy * r.radius;
         vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
         const ShLayout layout = shLayout(r.order);
@@ -450,7 +466,10 @@ Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelCl
                        const PixelLobes& lobes, const PlacementParams& params,
                        const GatherFunction& gather, bool quiet) {
     SHEEN_CHECK(params.accuracy > 0.0f && params.batch >= 1 && params.coarsest_stride >= 1);
-    SHEEN_CHECK(params.min_pixels >= 1.0f && params.max_pixels >= params.min_pixels);
+    SHEEN_CHECK(params.overlap >= 1.0f);
+    // Its own pixel, closer than half of which all is the same, is served.
+    SHEEN_CHECK(params.min_pixels > 0.5f * (1.0f + shared::MIN_WEIGHT_SUM));
+    SHEEN_CHECK(params.max_pixels >= params.min_pixels);
     return Placer(scene, gbuffer, classes, lobes, params, gather).run(quiet);
 }
 

@@ -30,7 +30,6 @@ void writePixel(const Scene& scene, const RayCaster::FirstHit& hit, const vec3& 
 }  // namespace
 
 GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height) {
-    constexpr int kPacket = RayCaster::kPacket;
     const Scene& scene = rays.scene();
     GBuffer result;
     result.width = width;
@@ -43,21 +42,11 @@ GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, in
     }
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
     parallelFor(height, [&](int y) {
-        for (int x = 0; x < width; x += kPacket) {
-            vec3 directions[kPacket];
-            RayCaster::FirstHit hits[kPacket];
-            const int count = std::min(kPacket, width - x);
-            for (int k = 0; k < count; ++k) {
-                directions[k] = cameraRay(camera, width, height, static_cast<float>(x + k),
-                                          static_cast<float>(y))
-                                    .direction;
-            }
-            rays.meetFirst(result.view.origin, {directions, static_cast<size_t>(count)}, hits);
-            for (int k = 0; k < count; ++k) {
-                if (hits[k].found) {
-                    writePixel(scene, hits[k], directions[k],
-                               static_cast<size_t>(y) * width + static_cast<size_t>(x + k), result);
-                }
+        for (int x = 0; x < width; ++x) {
+            const CameraRay ray =
+                cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
+            if (const auto hit = rays.meetFirst(ray.origin, ray.direction)) {
+                writePixel(scene, *hit, ray.direction, static_cast<size_t>(y * width + x), result);
             }
         }
     });

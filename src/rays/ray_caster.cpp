@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <optional>
 
 #include "core/error.h"
 #include "rays/light_cells.h"
@@ -173,38 +172,42 @@ uint32_t RayCaster::reached(const PunctualLight& light, std::span<const Receiver
     return reached;
 }
 
-// Casts at most a packet of rays.
-void RayCaster::intersect(const vec3& origin, std::span<const vec3> directions,
-                          RTCRayHit8& met) const {
-    RTCIntersectContext context = coherentContext();
-    Mask cast;
-    for (size_t i = 0; i < directions.size(); ++i) {
-        const auto k = static_cast<int>(i);
-        cast.lanes[k] = -1;
-        setRay(met.ray, k, origin, directions[i], kInfinity);
-        met.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-        met.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+std::optional<RayCaster::FirstHit> RayCaster::meetFirst(const vec3& origin,
+                                                        const vec3& direction) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit met{};
+    met.ray.org_x = origin.x;
+    met.ray.org_y = origin.y;
+    met.ray.org_z = origin.z;
+    met.ray.dir_x = direction.x;
+    met.ray.dir_y = direction.y;
+    met.ray.dir_z = direction.z;
+    met.ray.tfar = kInfinity;
+    met.ray.mask = 0xffffffffu;
+    met.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    met.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(embree_.get(), &context, &met);
+    if (met.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        return std::nullopt;
     }
-    rtcIntersect8(cast.lanes, embree_.get(), &context, &met);
-}
-
-void RayCaster::meetFirst(const vec3& origin, std::span<const vec3> directions,
-                          FirstHit* hits) const {
-    SHEEN_CHECK(directions.size() <= kPacket);
-    alignas(32) RTCRayHit8 met;
-    intersect(origin, directions, met);
-    for (size_t i = 0; i < directions.size(); ++i) {
-        hits[i] = {.found = met.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID,
-                   .triangle = met.hit.primID[i],
-                   .u = met.hit.u[i],
-                   .v = met.hit.v[i]};
-    }
+    return FirstHit{.triangle = met.hit.primID, .u = met.hit.u, .v = met.hit.v};
 }
 
 size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCells* cells,
                        vec4* seen, vec3* planes, Hit* hits) const {
+    RTCIntersectContext context = coherentContext();
+    Mask cast;
     alignas(32) RTCRayHit8 met;
-    intersect(rays.origin, rays.directions.subspan(first, end - first), met);
+    for (size_t i = first; i < end; ++i) {
+        const auto k = static_cast<int>(i - first);
+        cast.lanes[k] = -1;
+        setRay(met.ray, k, rays.origin, rays.directions[i], kInfinity);
+        met.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+        met.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(cast.lanes, embree_.get(), &context, &met);
+
     size_t count = 0;
     for (size_t i = first; i < end; ++i) {
         const auto k = static_cast<int>(i - first);

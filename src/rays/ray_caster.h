@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "scene/scene.h"
@@ -48,12 +49,12 @@ class RayCaster {
     /// What a ray meets first: a triangle, and there the barycentric coordinates of its second and
     /// third vertex.
     struct FirstHit {
-        bool found = false;
         uint32_t triangle = 0;
         float u = 0, v = 0;
     };
-    /// For each of at most kPacket directions from `origin`; as many `hits`.
-    void meetFirst(const vec3& origin, std::span<const vec3> directions, FirstHit* hits) const;
+    /// None where nothing is met. The ray is cast alone: which of two triangles owns a ray through
+    /// their common edge differs by how many are cast together.
+    std::optional<FirstHit> meetFirst(const vec3& origin, const vec3& direction) const;
 
     /// A point of a surface that may be lit; for the vectors see origin().
     struct Receiver {
@@ -77,7 +78,6 @@ class RayCaster {
     };
     void build();
     struct Hit;
-    void intersect(const vec3& origin, std::span<const vec3> directions, RTCRayHit8& met) const;
     size_t meet(const Rays& rays, size_t first, size_t end, const LightCells* cells, vec4* seen,
                 vec3* planes, Hit* hits) const;
     void light(const Rays& rays, std::span<const Hit> hits, vec4* seen) const;

@@ -165,7 +165,9 @@ Placement placeWith(G gatherer, const Scene& scene, const Stage& stage,
 
 // Along a crease each pixel gets a record of its own, however coarse the others are, until records
 // there reach farther than one pixel.
-float leastReach(float accuracy) { return std::max(1.0f, std::sqrt(accuracy)); }
+float leastReach(float accuracy) {
+    return std::max(PlacementParams{}.min_pixels, std::sqrt(accuracy));
+}
 
 // placement, which gathers and projects -> splat -> compose.
 void renderPass(const Scene& scene, const RenderParams& params, float accuracy, Stage& stage,
