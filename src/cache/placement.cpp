@@ -304,8 +304,9 @@ void Placer::limitRadius(size_t placed, float radius) {
 
 // Records whose regions overlap predict each other through the BRDF of the pixels they serve. The
 // error of an extrapolation with gradients grows with the square of the distance: from the error at
-// the neighbour follows where it reaches the tolerated one, and the reach ends there.
-// Based on: [KBPZ06], which shrinks by a fixed factor instead.
+// the neighbour follows where it reaches the tolerated one, and the reach ends there. Of those that
+// only meet where they serve, the placed reach stays as it is: what separates them, such as a
+// ledge, leaves each its side. Based on: [KBPZ06], which shrinks by a fixed factor instead.
 void Placer::heedNeighbours(size_t added) {
     if (params_.disagreement <= 0.0f) {
         return;
@@ -315,10 +316,15 @@ void Placer::heedNeighbours(size_t added) {
     Record& record = fresh.gathered.record;
     std::vector<size_t> near;
     const float radius = record.radius;
+    // Whether they meet where they were placed for, and where they serve.
+    const auto placed_reach = [&](float a, float b) { return params_.accuracy * (a + b); };
+    const auto serving_reach = [&](float a, float b) {
+        return std::max(placed_reach(a, b), params_.servingWeight().accuracy * std::max(a, b));
+    };
     tree_.visit(
         record.position,
         [&](float distance2, float greatest) {
-            const float reach = params_.accuracy * (radius + greatest);
+            const float reach = serving_reach(radius, greatest);
             return distance2 <= reach * reach;
         },
         [&](size_t j) { near.push_back(j); });
@@ -327,10 +333,12 @@ void Placer::heedNeighbours(size_t added) {
         const Placed& other = placed_[j];
         const Record& neighbour = other.gathered.record;
         const vec3 d = record.position - neighbour.position;
-        const float reach = params_.accuracy * (record.radius + neighbour.radius);
-        if (glm::dot(d, d) > reach * reach) {
+        const float reach = placed_reach(record.radius, neighbour.radius);
+        const float serving = serving_reach(record.radius, neighbour.radius);
+        if (glm::dot(d, d) > serving * serving) {
             continue;
         }
+        const bool meet = glm::dot(d, d) <= reach * reach;
         const float distance = glm::length(d);
         if (neighbour.order != record.order || distance == 0.0f ||
             glm::dot(record.normal, neighbour.normal) < kSameSurfaceCosine ||
@@ -349,9 +357,12 @@ void Placer::heedNeighbours(size_t added) {
             const float of_other =
                 allowed(predictedOutgoing(other.gathered, fresh.pixel), fresh.outgoing);
             fresh.allowed = std::min(fresh.allowed, of_fresh);
-            record.radius =
-                std::max(std::min(record.radius, of_fresh), leastRadius(fresh.footprint));
-            limitRadius(j, of_other);
+            placed_[j].allowed = std::min(other.allowed, of_other);
+            if (meet) {
+                record.radius =
+                    std::max(std::min(record.radius, of_fresh), leastRadius(fresh.footprint));
+                limitRadius(j, of_other);
+            }
         }
     }
 }
