@@ -67,8 +67,7 @@ void gatherByRays(benchmark::State& state, Setup& setup, const SceneChoice& choi
 void gatherByRaster(benchmark::State& state, Setup& setup, const SceneChoice& choice,
                     const HemisphereParams& params) {
     const GatherScene& s = setup.gatherScene(choice);
-    RasterGatherer gatherer(setup.pool(), s.scene.scene, setup.gpuScene(choice, GpuUse::kGather),
-                            params);
+    RasterGatherer gatherer(setup.pool(), s.scene.scene, setup.gpuScene(choice), params);
     measureGather(state, s, gatherer, makeHemisphere(params).texelCount());
 }
 
