@@ -156,11 +156,11 @@ def gather_table(one, every, prefix):
 
 def build_table(rows_of):
     scenes = [n.split("/")[2] for n in rows_of if n.startswith("build/embree/")]
-    return table(["scene", "triangles", "Embree, ms", "light cells, ms", "upload, ms",
+    return table(["scene", "triangles", "Embree, ms", "light cells, ms",
                   "upload and levels of detail, ms"],
                  [[s.replace("_", " "), count(rows_of[f"build/embree/{s}"]["triangles"])] +
                   [figure(rows_of[f"build/{part}/{s}"]["real_time"])
-                   for part in ("embree", "cells", "upload", "levels")] for s in scenes])
+                   for part in ("embree", "cells", "levels")] for s in scenes])
 
 
 def project_table(one, every):
@@ -259,7 +259,7 @@ def triangle_growth(rows_of):
         seconds = BOX_RECORDS * row["record_ms"] / 1e3
         gather.append((row["triangles"], seconds))
         build = sum(rows_of[f"build/{part}/{scene}"]["real_time"]
-                    for part in ("embree", "cells", "upload"))
+                    for part in ("embree", "cells"))
         with_build.append((row["triangles"], seconds + build / 1e3))
     return {"gather": gather, "set-up and gather": with_build}
 
@@ -389,7 +389,7 @@ def measure_pixels(sheen, sides, runs):
 
 def measure_triangles(program, boxes, quick):
     """The rows that triangle_growth() needs, on all threads."""
-    names = list_stages(program, f"(rays/{boxes}/[0-9]+|build/(embree|cells|upload)/{boxes})")
+    names = list_stages(program, f"(rays/{boxes}/[0-9]+|build/(embree|cells)/{boxes})")
     return run_stages(program, os.cpu_count(), 1, names, *(QUICK if quick else FULL))
 
 

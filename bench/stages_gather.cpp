@@ -67,8 +67,7 @@ void gatherByRays(benchmark::State& state, Setup& setup, const SceneChoice& choi
 void gatherByRaster(benchmark::State& state, Setup& setup, const SceneChoice& choice,
                     const HemisphereParams& params) {
     const GatherScene& s = setup.gatherScene(choice);
-    RasterGatherer gatherer(setup.pool(), s.scene.scene, setup.gpuScene(choice, GpuUse::kGather),
-                            params);
+    RasterGatherer gatherer(setup.pool(), s.scene.scene, setup.gpuScene(choice), params);
     measureGather(state, s, gatherer, makeHemisphere(params).texelCount());
 }
 
@@ -128,16 +127,12 @@ void registerBuild(Setup& setup, const SceneChoice& choice) {
         const BenchScene& s = setup.gatherScene(choice).scene;
         measureBuild(state, s.scene, [&] { const LightCells cells(s.rays); });
     });
-    const auto upload = [&](const char* part, GpuUse use) {
-        add(part, [&setup, choice, use](State& state) {
-            const Scene& scene = setup.gatherScene(choice).scene.scene;
-            measureBuild(state, scene, [&] {
-                setup.pool().runOnFirst([&] { const GpuScene gpu = uploadScene(scene, use); });
-            });
+    add("levels", [&setup, choice](State& state) {
+        const Scene& scene = setup.gatherScene(choice).scene.scene;
+        measureBuild(state, scene, [&] {
+            setup.pool().runOnFirst([&] { const GpuScene gpu = uploadScene(scene); });
         });
-    };
-    upload("upload", GpuUse::kCamera);
-    upload("levels", GpuUse::kGather);
+    });
 }
 
 }  // namespace

@@ -23,24 +23,22 @@ using State = benchmark::State;
 constexpr int kOrders[] = {0, 4, 6, 8, 10};
 constexpr int kSplatRecords = 4096;
 
-// From nothing to a G-buffer: contexts, upload, shaders compiled. Once: the second time in a
-// process much is there already.
+// From nothing to a G-buffer lit by shadow maps: contexts, upload, shaders compiled. Once: the
+// second time in a process much is there already.
 void startup(State& state, Setup& setup) {
     const Scene scene = setup.load(kCornell);
     for (auto _ : state) {
-        gl::WorkerPool& pool = setup.pool();
-        benchmark::DoNotOptimize(renderGBuffer(pool, scene,
-                                               setup.gpuScene(kCornell, GpuUse::kCamera),
-                                               scene.cameras.front(), 512, 512));
+        GBuffer g = renderGBuffer(RayCaster(scene), scene.cameras.front(), 512, 512);
+        lightGBuffer(setup.pool(), setup.gpuScene(kCornell), g);
+        benchmark::DoNotOptimize(g);
     }
 }
 
 void gbuffer(State& state, Setup& setup, const SceneChoice& choice) {
     const Scene scene = setup.load(choice);
-    const GpuScene& gpu = setup.gpuScene(choice, GpuUse::kCamera);
+    const RayCaster rays(scene);
     for (auto _ : state) {
-        benchmark::DoNotOptimize(
-            renderGBuffer(setup.pool(), scene, gpu, scene.cameras.front(), 512, 512));
+        benchmark::DoNotOptimize(renderGBuffer(rays, scene.cameras.front(), 512, 512));
     }
     state.counters["triangles"] = scene.triangleCount();
     state.counters["pixels_per_s"] =

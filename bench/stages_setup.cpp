@@ -123,19 +123,16 @@ const GatherScene& Setup::gatherScene(const SceneChoice& choice) {
     return *gather_;
 }
 
-const GpuScene& Setup::gpuScene(const SceneChoice& choice, GpuUse use) {
-    if (gpu_name_ != choice.name || gpu_use_ != use) {
+const GpuScene& Setup::gpuScene(const SceneChoice& choice) {
+    if (gpu_name_ != choice.name) {
         const Scene scene = load(choice);
         pool().runOnFirst([&] {
             gpu_ = {};
-            gpu_ = uploadScene(scene, use);
+            gpu_ = uploadScene(scene);
         });
-        if (use == GpuUse::kGather) {
-            renderShadowMaps(pool(), scene, gpu_);
-            lightSurfaces(pool(), gpu_);
-        }
+        renderShadowMaps(pool(), scene, gpu_);
+        lightSurfaces(pool(), gpu_);
         gpu_name_ = choice.name;
-        gpu_use_ = use;
     }
     return gpu_;
 }
@@ -145,8 +142,7 @@ const View512& Setup::glossyView() {
         view_ = std::make_unique<View512>();
         view_->scene = load(kGlossyCornell);
         view_->gbuffer =
-            renderGBuffer(pool(), view_->scene, gpuScene(kGlossyCornell, GpuUse::kCamera),
-                          view_->scene.cameras.front(), kSide, kSide);
+            renderGBuffer(RayCaster(view_->scene), view_->scene.cameras.front(), kSide, kSide);
     }
     return *view_;
 }

@@ -76,8 +76,8 @@ class Setup {
     gl::WorkerPool& pool();
     Scene load(const SceneChoice& choice) const;
     const GatherScene& gatherScene(const SceneChoice& choice);
-    /// For GpuUse::kGather with its surfaces lit.
-    const GpuScene& gpuScene(const SceneChoice& choice, GpuUse use);
+    /// With its surfaces lit.
+    const GpuScene& gpuScene(const SceneChoice& choice);
     /// In a view of the glossy Cornell box.
     const MadeUpRecords& madeUpRecords(int order, int count);
 
@@ -93,7 +93,6 @@ class Setup {
     std::unique_ptr<MadeUpRecords> made_up_;
     std::pair<int, int> made_up_for_;  // order and count
     GpuScene gpu_;
-    GpuUse gpu_use_ = GpuUse::kCamera;
 };
 
 /// Add the benchmarks of these stages; `setup` must outlive them.

@@ -9,6 +9,7 @@ const std::vector<NamedScene>& allScenes() {
         {"venus_glossy.glb", &venusGlossy, true},
         {"atrium.glb", &atrium, true},
         {"corridor.glb", &corridor, true},
+        {"ledges.glb", &ledges},
         {"furnace.glb", &furnace},
         {"sphere_room.glb", &sphereRoom},
     };

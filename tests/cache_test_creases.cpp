@@ -81,7 +81,7 @@ TEST(Creases, AreServedByRecordsThatReachNoFarther) {
         const float footprint = p.w * stage.gbuffer.pixel_angle;
         bool near = false;
         for (const Record& r : placement.cache.records) {
-            const float reach = params.accuracy * r.radius;
+            const float reach = params.servingWeight().accuracy * r.radius;
             near |= reach < 1.11f * params.min_pixels * footprint &&
                     glm::length(r.position - vec3(p)) < reach;
         }

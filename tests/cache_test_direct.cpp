@@ -13,14 +13,8 @@ namespace {
 
 constexpr int kSize = 128;
 
-// What the camera alone needs: no light comes from the rasteriser.
 GBuffer unlit(const Scene& scene) {
-    gl::WorkerPool pool(1);
-    GpuScene gpu;
-    pool.runOnFirst([&] { gpu = uploadScene(scene, GpuUse::kCamera); });
-    GBuffer g = renderGBuffer(pool, scene, gpu, scene.cameras.front(), kSize, kSize);
-    pool.runOnFirst([&] { gpu = {}; });
-    return g;
+    return renderGBuffer(RayCaster(scene), scene.cameras.front(), kSize, kSize);
 }
 
 class TracedDirect : public testing::TestWithParam<const char*> {};

@@ -109,7 +109,8 @@ TEST(Disagreement, NeverShrinksAReachBelowItsLeast) {
     });
     expectCovered(stage, params, placement);
     for (const Record& r : placement.cache.records) {
-        EXPECT_GE(params.accuracy * r.radius, 0.999f * params.min_pixels * footprintOf(stage, r));
+        EXPECT_GE(params.servingWeight().accuracy * r.radius,
+                  0.999f * params.min_pixels * footprintOf(stage, r));
     }
 }
 

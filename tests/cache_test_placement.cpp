@@ -88,8 +88,9 @@ TEST(Placement, HostileRadiiAreClamped) {
         for (const Record& r : placement.cache.records) {
             ASSERT_TRUE(std::isfinite(r.radius));
             const float footprint = footprintOf(stage, r);
-            EXPECT_GE(params.accuracy * r.radius, 0.999f * params.min_pixels * footprint);
-            EXPECT_LE(params.accuracy * r.radius, 1.001f * params.max_pixels * footprint);
+            const float reach = params.servingWeight().accuracy * r.radius;
+            EXPECT_GE(reach, 0.999f * params.min_pixels * footprint);
+            EXPECT_LE(reach, 1.001f * params.overlap * params.max_pixels * footprint);
         }
     }
 }
@@ -166,16 +167,51 @@ TEST(Placement, CurvatureEndsTheReach) {
         EXPECT_GE(placement.cache.records.size(), fewer);
         fewer = placement.cache.records.size() + 1;
     }
-    // Curvature without light: the least reach.
+    // Curvature without light: the least reach, and no overlap.
     params.min_pixels = 3.0f;
     const Placement dark = place(stage, params, [](const RecordSite&, GatheredRecord& g) {
         g.record.irradiance = vec3(0.0f);
         g.curvature = 1.0f;
     });
     for (const Record& r : dark.cache.records) {
-        EXPECT_NEAR(params.accuracy * r.radius, params.min_pixels * footprintOf(stage, r),
+        EXPECT_NEAR(params.servingWeight().accuracy * r.radius,
+                    params.min_pixels * footprintOf(stage, r),
                     1e-3f * params.min_pixels * footprintOf(stage, r));
     }
+}
+
+// Beside a thin ledge neighbours see quite different light. Each of their records has one pixel to
+// serve; farther it would bleed.
+TEST(Placement, RecordsServeNoNeighbourThatTheirLightDoesNotAllow) {
+    const Stage stage = makeStage(0, 0);
+    const PlacementParams params;
+    const auto lit = [](const vec3& p) { return p.x > 0.1f; };
+    const Placement placement =
+        place(stage, params, [&](const RecordSite& site, GatheredRecord& g) {
+            g.record.irradiance = vec3(lit(site.position) ? 1.0f : 0.1f);
+        });
+    expectCovered(stage, params, placement);
+    int beside = 0;
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+        const vec4 position = stage.gbuffer.position.pixels[static_cast<size_t>(i)];
+        const vec3 p(position);
+        const float footprint = position.w * stage.gbuffer.pixel_angle;
+        if (!stage.gbuffer.seen(i) || std::abs(p.x - 0.1f) > footprint) {
+            continue;
+        }
+        ++beside;
+        float sum = 0.0f, light = 0.0f;
+        for (const Record& r : placement.cache.records) {
+            const float w = shared::recordWeight(
+                params.servingWeight(), r.position, r.normal, r.radius, p,
+                vec3(stage.gbuffer.normal.pixels[static_cast<size_t>(i)]), footprint);
+            sum += w;
+            light += w * r.irradiance.x;
+        }
+        const float truth = lit(p) ? 1.0f : 0.1f;
+        EXPECT_NEAR(light / sum, truth, 0.1f * truth) << "pixel " << i;
+    }
+    EXPECT_GT(beside, 20);
 }
 
 TEST(Placement, GradientsAreBoundedByTheValue) {
@@ -198,7 +234,7 @@ TEST(Placement, GradientsAreBoundedByTheValue) {
             });
         expectCovered(stage, params, placement);
         for (const Record& r : placement.cache.records) {
-            const float reach = params.accuracy * r.radius;
+            const float reach = params.servingWeight().accuracy * r.radius;
             const vec3 gradients[] = {r.translation_r, r.translation_g, r.translation_b};
             const ShLayout layout = shLayout(r.order);
             for (int c = 0; c < 3; ++c) {
@@ -243,6 +279,7 @@ TEST(Placement, NeighboursAreClampedUnlessAtTheirLeast) {
     PlacementParams params;
     params.control = ErrorControl::kSplitSphere;
     params.max_pixels = 1e6f;
+    params.overlap = 1.0f;
     const Placement placement = place(stage, params, [](const RecordSite& site, GatheredRecord& g) {
         // A near feature that few sites see.
         g.record.radius = std::abs(site.position.x) < 0.3f ? 0.3f : 2.0f;

@@ -91,9 +91,10 @@ Image<char> nearShadowEdges(const Scene& scene) {
 GBuffer directLight(const Scene& scene) {
     gl::WorkerPool pool(1);
     GpuScene gpu;
-    pool.runOnFirst([&] { gpu = uploadScene(scene, GpuUse::kGather); });
+    pool.runOnFirst([&] { gpu = uploadScene(scene); });
     renderShadowMaps(pool, scene, gpu);
-    GBuffer g = renderGBuffer(pool, scene, gpu, scene.cameras.front(), kSize, kSize);
+    GBuffer g = renderGBuffer(RayCaster(scene), scene.cameras.front(), kSize, kSize);
+    lightGBuffer(pool, gpu, g);
     pool.runOnFirst([&] { gpu = {}; });
     return g;
 }

@@ -281,6 +281,7 @@ TEST(RenderFrame, CoarseAccuraciesDoNotFillCreases) {
         return result.stats.records;
     };
     const float by_accuracy = RenderParams{}.placement.min_pixels;
+    EXPECT_EQ(records(0.5f, by_accuracy), records(0.5f, PlacementParams{}.min_pixels));
     EXPECT_EQ(records(1.0f, by_accuracy), records(1.0f, 1.0f));
     EXPECT_EQ(records(2.0f, by_accuracy), records(2.0f, std::sqrt(2.0f)));
     EXPECT_LT(records(2.0f, by_accuracy), 0.8f * records(2.0f, 1.0f));

@@ -89,11 +89,12 @@ inline Placement place(const Stage& stage, const PlacementParams& params,
                         buildLobes(stage.gbuffer, stage.classes), params, makeGather(change), true);
 }
 
-/// What the pixels' weights sum to, against the limit that placement keeps in fixed point.
+/// What the pixels' weights sum to as records serve, against the limit that placement keeps in
+/// fixed point.
 inline void expectCovered(const Stage& stage, const PlacementParams& params,
                           const Placement& placement) {
     EXPECT_EQ(placement.uncovered, 0);
-    const WeightParams weight = params.weight();
+    const WeightParams weight = params.servingWeight();
     for (int i = 0; i < kWidth * kHeight; ++i) {
         const auto pixel = static_cast<size_t>(i);
         const vec4 p = stage.gbuffer.position.pixels[pixel];

@@ -10,7 +10,7 @@ namespace sheen {
 class TestStage {
   public:
     explicit TestStage(const Scene& scene, int workers = 2) : scene_(scene), pool(workers) {
-        pool.runOnFirst([&] { gpu = uploadScene(scene_, GpuUse::kGather); });
+        pool.runOnFirst([&] { gpu = uploadScene(scene_); });
         renderShadowMaps(pool, scene_, gpu);
         lightSurfaces(pool, gpu);
     }
@@ -18,7 +18,9 @@ class TestStage {
         pool.runOnFirst([&] { gpu = {}; });
     }
     GBuffer gbuffer(const Camera& camera, int width, int height) {
-        return renderGBuffer(pool, scene_, gpu, camera, width, height);
+        GBuffer g = renderGBuffer(RayCaster(scene_), camera, width, height);
+        lightGBuffer(pool, gpu, g);
+        return g;
     }
     GBuffer gbuffer(int width, int height) {
         return gbuffer(scene_.cameras.front(), width, height);

@@ -11,7 +11,7 @@ struct PackedTriangle {
     vec3 n0; float uv1_x;
     vec3 n1; float uv1_y;
     vec3 n2; float uv2_x;
-    float uv2_y; uint scene_triangle; uint light_texel; float lod_error;
+    float uv2_y; uint pad; uint light_texel; float lod_error;
 };
 struct PackedMaterial {
     MaterialParams params;
@@ -36,7 +36,6 @@ struct Surface {
     vec3 n_g;        // geometric normal, facing the viewer
     vec3 n;          // shading normal
     MaterialParams material;
-    uint scene_triangle;
     float lod_error; // how far the true surface may lie from p
 };
 
@@ -88,7 +87,6 @@ Surface surfaceAt(uint triangle, vec3 origin, vec3 direction, float texel_solid_
     surface.n_g = faceViewer(scaled_normal / area2, wo);
     vec3 n = interpolatedNormal(b0 * t.n0 + b1 * t.n1 + b2 * t.n2, surface.n_g);
     surface.n = shadingNormal(n, surface.n_g, wo);
-    surface.scene_triangle = t.scene_triangle;
     surface.lod_error = t.lod_error;
     PackedMaterial m = materials[t.material];
     surface.material = m.params;

@@ -57,8 +57,10 @@ FN float recordWeight(IN(WeightParams) w, IN(vec3) p_k, IN(vec3) n_k, float R, I
     if (0.5f * abs(dot(d, n + n_k)) > w.slab * reach) {
         return 0.0f;
     }
-    float tilt = max(1.0f - dot(n, n_k), 0.0f);
-    float e = sqrt(d2) / R + sqrt(w.normal_weight * tilt);
+    // 1 - n.n_k of unit vectors is half of |n - n_k|^2, which is 0 where they are the same: the root of
+    // a rounding error would weigh as much as the way to the next pixel.
+    vec3 dn = n - n_k;
+    float e = sqrt(d2) / R + sqrt(0.5f * w.normal_weight * dot(dn, dn));
     float e_min = 0.5f * footprint / R;
     return max(w.accuracy / max(e, e_min) - 1.0f, 0.0f);
 }

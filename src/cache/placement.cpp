@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "cache/creases.h"
@@ -60,6 +61,7 @@ class Placer {
         GatheredRecord gathered;
         int pixel = 0;
         float footprint = 0;
+        float allowed = 0;   // radius that its light and its neighbours allow, below any bound
         float outgoing = 0;  // luminance toward the camera at its own pixel
     };
 
@@ -106,7 +108,8 @@ class Placer {
     RecordSite siteOf(const Choice& choice, bool first) const;
     std::vector<Choice> chooseSites(int pixel, int stride) const;
     void place(const std::vector<Choice>& choices, bool first);
-    float clampedRadius(const Placed& placed) const;
+    float allowedRadius(const Placed& placed) const;
+    float servingRadius(const Placed& placed) const;
     float splitSphereRadius(const GatheredRecord& g) const;
     float hessianRadius(const GatheredRecord& g, float image_height) const;
     void setMissed(GatheredRecord& g, int pixel) const;
@@ -168,7 +171,7 @@ RecordSite Placer::siteOf(const Choice& choice, bool first) const {
 }
 
 // The radius a record at a pixel will most likely have: that of the nearest one placed so far,
-// since neighbours on a surface have similar ones, within the bounds that clampedRadius() keeps.
+// since neighbours on a surface have similar ones, within bounds.
 float Placer::predictedRadius(int pixel, size_t nearest) const {
     return std::clamp(nearest == kNone ? kInfinity : placed_[nearest].gathered.record.radius,
                       leastRadius(footprint(pixel)), greatestRadius(pixel));
@@ -218,7 +221,9 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
         const int pixel = choices[i].pixel;
         placed_.push_back({std::move(gathered[i]), pixel, footprint(pixel)});
         Record& record = placed_.back().gathered.record;
-        record.radius = clampedRadius(placed_.back());
+        placed_.back().allowed = allowedRadius(placed_.back());
+        record.radius = std::clamp(placed_.back().allowed, leastRadius(footprint(pixel)),
+                                   greatestRadius(pixel));
         record.material = static_cast<float>(classes_.materials.pixels[static_cast<size_t>(pixel)]);
         setMissed(placed_.back().gathered, pixel);
         placed_.back().outgoing = predictedOutgoing(placed_.back().gathered, pixel);
@@ -232,19 +237,27 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
     }
 }
 
-// The radius that the error control asks for, in footprints within bounds.
-float Placer::clampedRadius(const Placed& placed) const {
-    float radius = 0.0f;
+// The radius that the error control asks for.
+float Placer::allowedRadius(const Placed& placed) const {
     switch (params_.control) {
         case ErrorControl::kSplitSphere:
-            radius = splitSphereRadius(placed.gathered);
-            break;
+            return splitSphereRadius(placed.gathered);
         case ErrorControl::kHessian:
-            radius = hessianRadius(placed.gathered,
-                                   placed.footprint * static_cast<float>(gbuffer_.height));
-            break;
+            return hessianRadius(placed.gathered,
+                                 placed.footprint * static_cast<float>(gbuffer_.height));
     }
-    return std::clamp(radius, leastRadius(placed.footprint), greatestRadius(placed.pixel));
+    throw std::logic_error("unknown error control");
+}
+
+// By the serving weight, which reaches farther than the one that records are placed by. Where light
+// changes within a pixel, at contacts and beside thin ledges, the least reach is more than it
+// allows already: there a record serves no farther than it was placed for, or each pixel would take
+// half of its light from its neighbours.
+float Placer::servingRadius(const Placed& placed) const {
+    const float radius = placed.gathered.record.radius;
+    const float least = radius / params_.overlap;
+    const bool crease = creases_.pixels[static_cast<size_t>(placed.pixel)] != 0;
+    return crease ? least : std::clamp(placed.allowed, least, radius);
 }
 
 // Harmonic mean distance, limited by the relative change of irradiance. [WRC88]
@@ -292,6 +305,7 @@ float Placer::predictedOutgoing(const GatheredRecord& g, int pixel) const {
 // Shrinks a placed record's radius to `radius`, if that is smaller, and takes its weights along.
 void Placer::limitRadius(size_t placed, float radius) {
     Record& record = placed_[placed].gathered.record;
+    placed_[placed].allowed = std::min(placed_[placed].allowed, radius);
     const float limit = std::max(radius, leastRadius(placed_[placed].footprint));
     if (limit < record.radius) {
         splat(record, false);
@@ -302,8 +316,9 @@ void Placer::limitRadius(size_t placed, float radius) {
 
 // Records whose regions overlap predict each other through the BRDF of the pixels they serve. The
 // error of an extrapolation with gradients grows with the square of the distance: from the error at
-// the neighbour follows where it reaches the tolerated one, and the reach ends there.
-// Based on: [KBPZ06], which shrinks by a fixed factor instead.
+// the neighbour follows where it reaches the tolerated one, and the reach ends there. Of those that
+// only meet where they serve, the placed reach stays as it is: what separates them, such as a
+// ledge, leaves each its side. Based on: [KBPZ06], which shrinks by a fixed factor instead.
 void Placer::heedNeighbours(size_t added) {
     if (params_.disagreement <= 0.0f) {
         return;
@@ -313,10 +328,15 @@ void Placer::heedNeighbours(size_t added) {
     Record& record = fresh.gathered.record;
     std::vector<size_t> near;
     const float radius = record.radius;
+    // Whether they meet where they were placed for, and where they serve.
+    const auto placed_reach = [&](float a, float b) { return params_.accuracy * (a + b); };
+    const auto serving_reach = [&](float a, float b) {
+        return std::max(placed_reach(a, b), params_.servingWeight().accuracy * std::max(a, b));
+    };
     tree_.visit(
         record.position,
         [&](float distance2, float greatest) {
-            const float reach = params_.accuracy * (radius + greatest);
+            const float reach = serving_reach(radius, greatest);
             return distance2 <= reach * reach;
         },
         [&](size_t j) { near.push_back(j); });
@@ -325,10 +345,12 @@ void Placer::heedNeighbours(size_t added) {
         const Placed& other = placed_[j];
         const Record& neighbour = other.gathered.record;
         const vec3 d = record.position - neighbour.position;
-        const float reach = params_.accuracy * (record.radius + neighbour.radius);
-        if (glm::dot(d, d) > reach * reach) {
+        const float reach = placed_reach(record.radius, neighbour.radius);
+        const float serving = serving_reach(record.radius, neighbour.radius);
+        if (glm::dot(d, d) > serving * serving) {
             continue;
         }
+        const bool meet = glm::dot(d, d) <= reach * reach;
         const float distance = glm::length(d);
         if (neighbour.order != record.order || distance == 0.0f ||
             glm::dot(record.normal, neighbour.normal) < kSameSurfaceCosine ||
@@ -346,9 +368,13 @@ void Placer::heedNeighbours(size_t added) {
                 allowed(predictedOutgoing(fresh.gathered, other.pixel), other.outgoing);
             const float of_other =
                 allowed(predictedOutgoing(other.gathered, fresh.pixel), fresh.outgoing);
-            record.radius =
-                std::max(std::min(record.radius, of_fresh), leastRadius(fresh.footprint));
-            limitRadius(j, of_other);
+            fresh.allowed = std::min(fresh.allowed, of_fresh);
+            placed_[j].allowed = std::min(other.allowed, of_other);
+            if (meet) {
+                record.radius =
+                    std::max(std::min(record.radius, of_fresh), leastRadius(fresh.footprint));
+                limitRadius(j, of_other);
+            }
         }
     }
 }
@@ -421,6 +447,7 @@ Placement Placer::run(bool quiet) {
     // by no more than a share of it.
     for (Placed& p : placed_) {
         Record& r = p.gathered.record;
+        r.radius = servingRadius(p);
         const float reach = params_.servingWeight().accuracy * r.radius;
         vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
         const ShLayout layout = shLayout(r.order);
@@ -482,7 +509,10 @@ Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelCl
                        const PixelLobes& lobes, const PlacementParams& params,
                        const GatherFunction& gather, bool quiet) {
     SHEEN_CHECK(params.accuracy > 0.0f && params.batch >= 1 && params.coarsest_stride >= 1);
-    SHEEN_CHECK(params.min_pixels >= 1.0f && params.max_pixels >= params.min_pixels);
+    SHEEN_CHECK(params.overlap >= 1.0f);
+    // Its own pixel, closer than half of which all is the same, is served.
+    SHEEN_CHECK(params.min_pixels > 0.5f * (1.0f + shared::MIN_WEIGHT_SUM));
+    SHEEN_CHECK(params.max_pixels >= params.min_pixels);
     return Placer(scene, gbuffer, classes, lobes, params, gather).run(quiet);
 }
 

@@ -24,8 +24,9 @@ struct PlacementParams {
                                  ///< record's reach times that reach in heights of the image
     float normal_weight = 4.0f;  ///< k_n of the weight function
     float slab = 0.1f;           ///< c of the weight function
-    float min_pixels = 1.0f;     ///< least reach a R, in footprints of the record's pixel; at
-                                 ///< least 1, so that it serves its own pixel
+    float min_pixels = 0.9f;     ///< least reach a R, in footprints of the record's pixel: above
+                                 ///< 0.525, so that it serves its own pixel, and below 1, so that
+                                 ///< it serves no other one
     float max_pixels = 30.0f;    ///< greatest reach
     bool neighbour_clamping = true;
     float disagreement = 0.2f;    ///< times `accuracy`: relative error at which a record's reach
@@ -34,16 +35,17 @@ struct PlacementParams {
     int coarsest_stride = 32;     ///< of the grids that are scanned: a power of two
     float gradient_limit = 0.5f;  ///< greatest extrapolated change relative to the value
 
-    float overlap = 1.65f;  ///< how much farther records serve than they were placed for
+    float overlap = 1.65f;  ///< how much farther records serve than they were placed for, at most
 
     /// The weight that decides where records are needed.
     WeightParams weight() const {
         return {.accuracy = accuracy, .normal_weight = normal_weight, .slab = slab};
     }
     /// The weight by which they serve: more of them at each pixel, so that what each one got wrong
-    /// by chance averages out.
+    /// by chance averages out. Along the surface: the slab stays as thick as it was.
     WeightParams servingWeight() const {
-        return {.accuracy = overlap * accuracy, .normal_weight = normal_weight, .slab = slab};
+        return {
+            .accuracy = overlap * accuracy, .normal_weight = normal_weight, .slab = slab / overlap};
     }
 };
 

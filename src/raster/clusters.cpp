@@ -231,7 +231,7 @@ class Simplifier {
 };
 
 void appendCluster(const Scene& scene, const std::vector<uint32_t>& welded,
-                   const std::vector<uint32_t>& patch, bool coarser, ClusteredMesh& mesh) {
+                   const std::vector<uint32_t>& patch, ClusteredMesh& mesh) {
     std::vector<uvec3> triangles;
     Bounds bounds;
     for (uint32_t t : patch) {
@@ -247,10 +247,8 @@ void appendCluster(const Scene& scene, const std::vector<uint32_t>& welded,
     // One at a time: both sides of a sheet together are a closed surface, which has no border to
     // keep.
     std::vector<Simplifier> simplifiers;
-    if (coarser) {
-        for (const std::vector<uint32_t>& layer : layersOf(welded, patch)) {
-            simplifiers.emplace_back(scene, welded, layer);
-        }
+    for (const std::vector<uint32_t>& layer : layersOf(welded, patch)) {
+        simplifiers.emplace_back(scene, welded, layer);
     }
     for (int level = 1; level < kLevelsOfDetail; ++level) {
         cluster.levels[level] = cluster.levels[level - 1];
@@ -274,7 +272,7 @@ void appendCluster(const Scene& scene, const std::vector<uint32_t>& welded,
 
 // Appends clusters of one material: large pieces split, small ones packed with their neighbours.
 void appendClusters(const Scene& scene, const std::vector<uint32_t>& welded,
-                    const std::vector<uint32_t>& triangles, bool coarser, ClusteredMesh& mesh) {
+                    const std::vector<uint32_t>& triangles, ClusteredMesh& mesh) {
     struct Piece {
         std::vector<uint32_t> triangles;
         Bounds bounds;
@@ -283,7 +281,7 @@ void appendClusters(const Scene& scene, const std::vector<uint32_t>& welded,
     for (std::vector<uint32_t>& piece : connectedPieces(welded, triangles)) {
         if (piece.size() > kMaxTriangles) {
             for (const std::vector<uint32_t>& patch : splitIntoPatches(scene, welded, piece)) {
-                appendCluster(scene, welded, patch, coarser, mesh);
+                appendCluster(scene, welded, patch, mesh);
             }
             continue;
         }
@@ -315,7 +313,7 @@ void appendClusters(const Scene& scene, const std::vector<uint32_t>& welded,
         together.add(small[i].bounds.upper);
         if (!patch.empty() && (patch.size() + small[i].triangles.size() > kMaxTriangles ||
                                together.size() > kClusterSize * scene.bounds.size())) {
-            appendCluster(scene, welded, patch, coarser, mesh);
+            appendCluster(scene, welded, patch, mesh);
             patch.clear();
             together = small[i].bounds;
         }
@@ -323,13 +321,13 @@ void appendClusters(const Scene& scene, const std::vector<uint32_t>& welded,
         bounds = together;
     }
     if (!patch.empty()) {
-        appendCluster(scene, welded, patch, coarser, mesh);
+        appendCluster(scene, welded, patch, mesh);
     }
 }
 
 }  // namespace
 
-ClusteredMesh buildClusters(const Scene& scene, bool coarser) {
+ClusteredMesh buildClusters(const Scene& scene) {
     ClusteredMesh mesh;
     const std::vector<uint32_t> welded = weldedIndices(scene);
     std::vector<std::vector<uint32_t>> by_material(scene.materials.size());
@@ -338,7 +336,7 @@ ClusteredMesh buildClusters(const Scene& scene, bool coarser) {
     }
     for (const std::vector<uint32_t>& triangles : by_material) {
         if (!triangles.empty()) {
-            appendClusters(scene, welded, triangles, coarser, mesh);
+            appendClusters(scene, welded, triangles, mesh);
         }
     }
     return mesh;

@@ -34,7 +34,7 @@ struct ClusteredMesh {
 
 /// The finest levels together are exactly the scene's triangles. Coarser ones keep the cluster's
 /// border, so that neighbours of different levels still meet; only a straight piece of it may
-/// become one edge. Without `coarser` there are the finest alone.
-ClusteredMesh buildClusters(const Scene& scene, bool coarser = true);
+/// become one edge.
+ClusteredMesh buildClusters(const Scene& scene);
 
 }  // namespace sheen

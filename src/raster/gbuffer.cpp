@@ -1,81 +1,90 @@
 #include "raster/gbuffer.h"
 
-#include <bit>
 #include <cmath>
 
+#include "core/parallel.h"
 #include "image/frame.h"
+#include "rays/surface_point.h"
 
 namespace sheen {
 namespace {
 
-constexpr int kTargets = 6;
-constexpr uint32_t kTriangleMask = 0x3fffffffu;  // of triangleBits() in gbuffer.frag
+// Writes what a pixel sees. A surface at the eye itself has no depth and is not seen.
+void writePixel(const Scene& scene, const RayCaster::FirstHit& hit, const vec3& direction, size_t i,
+                GBuffer& g) {
+    const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction);
+    const float depth = glm::dot(vec3(g.view.dual_forward), p.position - g.view.origin);
+    if (!(depth > 0.0f)) {
+        return;
+    }
+    const Scatterer surface = scattererAt(scene, p);
+    const MaterialParams& material = scene.materials[scene.materials_of[hit.triangle]].params;
+    g.position.pixels[i] = vec4(p.position, depth);
+    g.normal.pixels[i] = vec4(surface.n, material.roughness);
+    g.diffuse.pixels[i] = vec4(surface.brdf.diffuse, surface.brdf.f90);
+    g.f0.pixels[i] = vec4(surface.brdf.f0, 0.0f);
+    g.emission.pixels[i] = vec4(material.emission, 0.0f);
+    g.primitive.pixels[i] = hit.triangle;
+}
 
 }  // namespace
 
-GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
-                      const Camera& camera, int width, int height) {
-    using namespace gl;
+GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height) {
+    const Scene& scene = rays.scene();
     GBuffer result;
     result.width = width;
     result.height = height;
     result.view = cameraView(camera, width, height, nearDistance(scene));
     result.pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(height);
-    Image<vec4>* targets[kTargets] = {&result.position, &result.normal, &result.diffuse,
-                                      &result.f0,       &result.direct, &result.emission};
-    for (Image<vec4>* target : targets) {
-        *target = Image<vec4>(width, height);
+    for (Image<vec4>* image : {&result.position, &result.normal, &result.diffuse, &result.f0,
+                               &result.direct, &result.emission}) {
+        *image = Image<vec4>(width, height);
+    }
+    result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
+    parallelFor(height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            const CameraRay ray =
+                cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
+            if (const auto hit = rays.meetFirst(ray.origin, ray.direction)) {
+                writePixel(scene, *hit, ray.direction, static_cast<size_t>(y * width + x), result);
+            }
+        }
+    });
+    return result;
+}
+
+void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer) {
+    using namespace gl;
+    const int width = gbuffer.width;
+    const int height = gbuffer.height;
+    // As shaders number them, from 1 on.
+    Image<uint32_t> triangles(width, height, 0);
+    for (size_t i = 0; i < triangles.pixels.size(); ++i) {
+        if (gbuffer.primitive.pixels[i] != kNoPrimitive) {
+            triangles.pixels[i] = gpu.triangle_of[gbuffer.primitive.pixels[i]] + 1;
+        }
     }
     pool.runOnFirst([&] {
-        const View& view = result.view;
         const gl::Texture visibility = makeTexture2d(GL_R32UI, width, height);
-        const gl::Texture depth = makeTexture2d(GL_DEPTH_COMPONENT32F, width, height);
-        const GLuint visibility_name = visibility.name();
-        const Framebuffer first = makeFramebuffer({&visibility_name, 1}, depth.name());
-        ClusterDrawer drawer(gpu, "raster/visibility.frag");
-        drawer.setViews(gpu, {&view, 1});
-        glViewport(0, 0, width, height);
-        glBindFramebuffer(GL_FRAMEBUFFER, first.name());
-        const GLuint none[4] = {0, 0, 0, 0};
-        const float far_depth = 0.0f;
-        glClearNamedFramebufferuiv(first.name(), GL_COLOR, 0, none);
-        glClearNamedFramebufferfv(first.name(), GL_DEPTH, 0, &far_depth);
-        glEnable(GL_DEPTH_TEST);
-        drawer.draw(0);
-        glDisable(GL_DEPTH_TEST);
-
-        gl::Texture colors[kTargets];
-        GLuint names[kTargets];
-        for (int i = 0; i < kTargets; ++i) {
-            colors[i] = makeTexture2d(GL_RGBA32F, width, height);
-            names[i] = colors[i].name();
-        }
-        const Framebuffer second = makeFramebuffer(names, 0);
+        glTextureSubImage2D(visibility.name(), 0, 0, 0, width, height, GL_RED_INTEGER,
+                            GL_UNSIGNED_INT, triangles.pixels.data());
+        const gl::Texture direct = makeTexture2d(GL_RGBA32F, width, height);
+        const GLuint name = direct.name();
+        const Framebuffer framebuffer = makeFramebuffer({&name, 1}, 0);
         const Program program("raster/fullscreen.vert", "raster/gbuffer.frag", shadingDefines(4));
         const VertexArray empty = makeVertexArray();
-        glBindFramebuffer(GL_FRAMEBUFFER, second.name());
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+        glViewport(0, 0, width, height);
         bindShading(gpu, program);
         program.set("image_size", vec2(width, height));
         glBindTextureUnit(1, visibility.name());
-        const Buffer views = makeBuffer(std::span<const View>(&view, 1));
+        const Buffer views = makeBuffer(std::span<const View>(&gbuffer.view, 1));
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, views.name());
         glBindVertexArray(empty.name());
         drawFullscreen();
-        for (int i = 0; i < kTargets; ++i) {
-            glNamedFramebufferReadBuffer(second.name(),
-                                         GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
-            glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, targets[i]->pixels.data());
-        }
+        glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, gbuffer.direct.pixels.data());
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
     });
-    result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
-    for (int i = 0; i < width * height; ++i) {
-        if (result.seen(i)) {
-            result.primitive.pixels[static_cast<size_t>(i)] =
-                std::bit_cast<uint32_t>(result.f0.pixels[static_cast<size_t>(i)].w) & kTriangleMask;
-        }
-    }
-    return result;
 }
 
 vec3 GBuffer::geometricNormalAt(const Scene& scene, int i) const {

@@ -1,9 +1,12 @@
-// What the camera sees, per pixel: the input of placement, splatting and composition.
+// What the camera sees, per pixel: the input of placement, splatting and composition. Rays find it,
+// so that pixels, records and the rays of both see one and the same surface: a rasteriser picks
+// another triangle in a pixel of a thousand.
 #pragma once
 
 #include "gl/worker_pool.h"
 #include "image/image.h"
 #include "raster/gpu_scene.h"
+#include "rays/ray_caster.h"
 
 namespace sheen {
 
@@ -15,8 +18,8 @@ struct GBuffer {
     Image<vec4> position;  ///< world space; w: depth along the view axis
     Image<vec4> normal;    ///< shading normal, world space; w: perceptual roughness
     Image<vec4> diffuse;   ///< diffuse reflectance toward the camera; w: F90
-    Image<vec4> f0;        ///< specular F0; w: the triangle, as bits
-    Image<vec4> direct;    ///< radiance of direct light; w: unused; black for GpuUse::kCamera
+    Image<vec4> f0;        ///< specular F0; w: unused
+    Image<vec4> direct;    ///< radiance of direct light; w: unused
     Image<vec4> emission;  ///< radiance; w: unused
     Image<uint32_t> primitive;
     float pixel_angle = 0;  ///< width of a pixel at depth 1
@@ -26,9 +29,10 @@ struct GBuffer {
     vec3 geometricNormalAt(const Scene& scene, int i) const;
 };
 
-/// Rasterises the scene. Lights it directly, by the shadow maps, unless it was uploaded for the
-/// camera alone.
-GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
-                      const Camera& camera, int width, int height);
+/// What a ray through each pixel's middle meets first. Direct light is black.
+GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height);
+
+/// Lights what it sees directly, by the shadow maps.
+void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer);
 
 }  // namespace sheen

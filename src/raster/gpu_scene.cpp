@@ -25,7 +25,7 @@ struct PackedTriangle {
     vec3 n2;
     float uv2_x;
     float uv2_y;
-    uint32_t scene_triangle;
+    uint32_t pad;
     uint32_t light_texel;
     float lod_error;
 };
@@ -62,7 +62,7 @@ std::vector<PackedTriangle> packTriangles(const Scene& scene, const ClusteredMes
                           .n2 = scene.normals[v.z],
                           .uv2_x = scene.uvs[v.z].x,
                           .uv2_y = scene.uvs[v.z].y,
-                          .scene_triangle = t,
+                          .pad = 0,
                           .light_texel = 0,
                           .lod_error = 0.0f});
     }
@@ -132,11 +132,10 @@ void uploadMaterials(const Scene& scene, GpuScene& gpu) {
 
 }  // namespace
 
-GpuScene uploadScene(const Scene& scene, GpuUse use) {
-    const bool gathers = use == GpuUse::kGather;
+GpuScene uploadScene(const Scene& scene) {
     GpuScene gpu;
-    gpu.light_count = gathers ? static_cast<int>(scene.lights.size()) : 0;
-    const ClusteredMesh mesh = buildClusters(scene, gathers);
+    gpu.light_count = static_cast<int>(scene.lights.size());
+    const ClusteredMesh mesh = buildClusters(scene);
     gpu.clusters = mesh.clusters;
     // The visibility pass needs only positions: vertices that share one become one.
     std::vector<uint32_t> indices;
@@ -155,20 +154,23 @@ GpuScene uploadScene(const Scene& scene, GpuUse use) {
         meshopt_remapIndexBuffer(indices.data(), indices.data(), indices.size(), remap.data());
     }
     std::vector<PackedTriangle> packed = packTriangles(scene, mesh);
+    gpu.triangle_of.resize(scene.triangles.size());
     for (const Cluster& cluster : mesh.clusters) {
+        const LevelOfDetail& finest = cluster.levels[0];
+        for (uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
+            gpu.triangle_of[mesh.scene_triangles[i]] = i;
+        }
         for (const LevelOfDetail& level : cluster.levels) {
             for (uint32_t i = level.first; i < level.first + level.count; ++i) {
                 packed[i].lod_error = level.error;
             }
         }
     }
-    if (gathers) {
-        gpu.lit_triangles = layOutSurfaceLight(scene, mesh);
-        uint32_t light_texel = 0;
-        for (size_t i = 0; i < packed.size(); ++i) {
-            packed[i].light_texel = light_texel;
-            light_texel += 1u << (2 * gpu.lit_triangles[i].log2_size);
-        }
+    gpu.lit_triangles = layOutSurfaceLight(scene, mesh);
+    uint32_t light_texel = 0;
+    for (size_t i = 0; i < packed.size(); ++i) {
+        packed[i].light_texel = light_texel;
+        light_texel += 1u << (2 * gpu.lit_triangles[i].log2_size);
     }
     gpu.positions = gl::makeBuffer(std::span<const vec3>(positions));
     gpu.indices = std::move(indices);

@@ -1,6 +1,6 @@
 // The scene on the GPU, as every drawing stage reads it: clusters of triangles to rasterise, packed
 // triangles, materials, textures and lights to shade. Triangle indices of this room are in cluster
-// order; `scene_triangle` leads back to the Scene.
+// order.
 #pragma once
 
 #include <vector>
@@ -28,6 +28,7 @@ struct GpuScene {
     gl::Buffer positions;
     std::vector<uint32_t> indices;  ///< into positions, three a triangle
     gl::Buffer triangles;
+    std::vector<uint32_t> triangle_of;  ///< of each of the scene's triangles, at the finest level
     gl::Buffer materials;
     gl::Buffer texels;
     gl::Buffer lights;
@@ -42,12 +43,8 @@ struct GpuScene {
     gl::Buffer surface_light;  ///< front and back radiance as halves, see gather/lambert.frag
 };
 
-/// What a scene is uploaded for: to be seen by the camera alone, unlit; or lit, and by records too,
-/// which takes levels of detail and texels for light on surfaces.
-enum class GpuUse { kCamera, kGather };
-
 /// Packs and uploads `scene`; runs on a worker's context.
-GpuScene uploadScene(const Scene& scene, GpuUse use);
+GpuScene uploadScene(const Scene& scene);
 
 /// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot and
 /// for a directional light, whose view covers the scene's bounds.

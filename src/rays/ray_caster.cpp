@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <optional>
 
 #include "core/error.h"
 #include "rays/light_cells.h"
@@ -171,6 +170,28 @@ uint32_t RayCaster::reached(const PunctualLight& light, std::span<const Receiver
         reached |= facing.lanes[k] != 0 && arrived(shadow, k) ? 1u << k : 0u;
     }
     return reached;
+}
+
+std::optional<RayCaster::FirstHit> RayCaster::meetFirst(const vec3& origin,
+                                                        const vec3& direction) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit met{};
+    met.ray.org_x = origin.x;
+    met.ray.org_y = origin.y;
+    met.ray.org_z = origin.z;
+    met.ray.dir_x = direction.x;
+    met.ray.dir_y = direction.y;
+    met.ray.dir_z = direction.z;
+    met.ray.tfar = kInfinity;
+    met.ray.mask = 0xffffffffu;
+    met.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    met.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(embree_.get(), &context, &met);
+    if (met.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        return std::nullopt;
+    }
+    return FirstHit{.triangle = met.hit.primID, .u = met.hit.u, .v = met.hit.v};
 }
 
 size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCells* cells,

@@ -5,7 +5,9 @@
 
 #include <embree3/rtcore.h>
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "scene/scene.h"
@@ -43,6 +45,16 @@ class RayCaster {
     /// the origin, a plane lies at distance 1 / dot(plane, d); zero where nothing is met.
     void cast(const Rays& rays, vec4* seen, const LightCells* cells = nullptr,
               vec3* planes = nullptr) const;
+
+    /// What a ray meets first: a triangle, and there the barycentric coordinates of its second and
+    /// third vertex.
+    struct FirstHit {
+        uint32_t triangle = 0;
+        float u = 0, v = 0;
+    };
+    /// None where nothing is met. The ray is cast alone: which of two triangles owns a ray through
+    /// their common edge differs by how many are cast together.
+    std::optional<FirstHit> meetFirst(const vec3& origin, const vec3& direction) const;
 
     /// A point of a surface that may be lit; for the vectors see origin().
     struct Receiver {

@@ -123,30 +123,34 @@ struct Stage {
     }
 };
 
-// scene -> G-buffer -> classes -> light on surfaces, for records to see -> rays where the cache
-// cannot follow. Direct light comes from rays where records use rays, else from shadow maps.
+// scene -> rays -> G-buffer -> classes -> light on surfaces, for records to see -> rays where the
+// cache cannot follow. Direct light comes from rays where records use rays, else from shadow maps.
 Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds)
     // Only the raster gather draws with more than one context.
     : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount(), threadCount()) {
     const bool by_rays = params.gather_road == GatherRoad::kRays;
-    const Timer shadow_timer;
-    pool.runOnFirst([&] { gpu = uploadScene(scene, by_rays ? GpuUse::kCamera : GpuUse::kGather); });
-    if (!by_rays) {
-        renderShadowMaps(pool, scene, gpu);
-    }
-    seconds.shadow = shadow_timer.seconds();
+    const Timer rays_timer;
+    rays.emplace(scene);
+    seconds.gather = rays_timer.seconds();
 
     const Timer gbuffer_timer;
-    gbuffer = renderGBuffer(pool, scene, gpu, findCamera(scene, params.camera), params.width,
-                            params.height);
-    pool.runOnFirst(dropTargets);
+    gbuffer = renderGBuffer(*rays, findCamera(scene, params.camera), params.width, params.height);
     classes = classifyPixels(scene, gbuffer, params.sh_order, params.method == Method::kIrradiance);
     lobes = buildLobes(gbuffer, classes);
     checkSplat(pool, lobes);
     seconds.gbuffer = gbuffer_timer.seconds();
 
+    const Timer shadow_timer;
+    if (by_rays) {
+        gbuffer.direct = traceDirect(*rays, gbuffer);
+    } else {
+        pool.runOnFirst([&] { gpu = uploadScene(scene); });
+        renderShadowMaps(pool, scene, gpu);
+        lightGBuffer(pool, gpu, gbuffer);
+    }
+    seconds.shadow = shadow_timer.seconds();
+
     const Timer gather_timer;
-    rays.emplace(scene);
     cells.emplace(*rays);
     if (!by_rays) {
         lightSurfaces(pool, gpu);
@@ -154,13 +158,7 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     if (classes.anyByRays()) {
         specular = traceSpecular(*rays, &*cells, gbuffer, classes, params.specular);
     }
-    seconds.gather = gather_timer.seconds();
-
-    if (by_rays) {
-        const Timer direct_timer;
-        gbuffer.direct = traceDirect(*rays, gbuffer);
-        seconds.shadow += direct_timer.seconds();
-    }
+    seconds.gather += gather_timer.seconds();
 }
 
 // A gatherer of either kind, for as long as a pass lasts.
@@ -214,7 +212,9 @@ ErrorEstimate judge(const Scene& scene, const RenderParams& params, const Stage&
 
 // Along a crease each pixel gets a record of its own, however coarse the others are, until records
 // there reach farther than one pixel.
-float leastReach(float accuracy) { return std::max(1.0f, std::sqrt(accuracy)); }
+float leastReach(float accuracy) {
+    return std::max(PlacementParams{}.min_pixels, std::sqrt(accuracy));
+}
 
 // placement, which gathers and projects -> splat -> compose.
 void renderPass(const Scene& scene, const RenderParams& params, float accuracy, Stage& stage,
