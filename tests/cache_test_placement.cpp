@@ -167,15 +167,14 @@ TEST(Placement, CurvatureEndsTheReach) {
         EXPECT_GE(placement.cache.records.size(), fewer);
         fewer = placement.cache.records.size() + 1;
     }
-    // Curvature without light: the least reach, and no overlap.
+    // Curvature without light: the least reach.
     params.min_pixels = 3.0f;
     const Placement dark = place(stage, params, [](const RecordSite&, GatheredRecord& g) {
         g.record.irradiance = vec3(0.0f);
         g.curvature = 1.0f;
     });
     for (const Record& r : dark.cache.records) {
-        EXPECT_NEAR(params.servingWeight().accuracy * r.radius,
-                    params.min_pixels * footprintOf(stage, r),
+        EXPECT_NEAR(params.accuracy * r.radius, params.min_pixels * footprintOf(stage, r),
                     1e-3f * params.min_pixels * footprintOf(stage, r));
     }
 }

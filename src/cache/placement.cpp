@@ -252,9 +252,13 @@ float Placer::allowedRadius(const Placed& placed) const {
 // By the serving weight, which reaches farther than the one that records are placed by. Where light
 // changes within a pixel, at contacts and beside thin ledges, the least reach is more than it
 // allows already: there a record serves no farther than it was placed for, or each pixel would take
-// half of its light from its neighbours.
+// half of its light from its neighbours. (Where the least reach is several pixels, they have no
+// records of their own that would be better.)
 float Placer::servingRadius(const Placed& placed) const {
     const float radius = placed.gathered.record.radius;
+    if (params_.min_pixels > 1.0f) {
+        return radius;
+    }
     const float least = radius / params_.overlap;
     const bool crease = creases_.pixels[static_cast<size_t>(placed.pixel)] != 0;
     return crease ? least : std::clamp(placed.allowed, least, radius);

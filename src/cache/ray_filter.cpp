@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "core/parallel.h"
@@ -9,32 +10,37 @@
 namespace sheen {
 namespace {
 
-constexpr float kAnySlope = 1e6f;
+// A Gaussian window: its deviations in pixels and, in alpha, in the slope of the lobes' half
+// vectors.
 struct Window {
     float pixels;
-    float slope;  // in alpha
+    float slope;
 };
-// Deviations of the Gaussian windows, in pixels; 0: the pixel alone.
-constexpr std::array<Window, 7> kWindows = {
-    Window{0.0f, 0.0f}, {0.0f, 1.0f},   {1.0f, kAnySlope}, {2.0f, kAnySlope},
-    {4.0f, kAnySlope},  {4.0f, 0.125f}, {4.0f, 0.25f}};
-constexpr int kFar = 8;         // the widest one ends here, and looks at every second pixel
-constexpr float kJudge = 4.0f;  // deviation of the window in which widths are judged
-constexpr int kBlend = 2;       // pixels over which one width passes into another
+constexpr float kAnySlope = 1e6f;
+constexpr float kFarSlope = 100.0f;
+// From the smoothest on. Before them the records alone, and these with the mean of what rays around
+// see more; after them the pixel alone.
+constexpr std::array<Window, 5> kWindows = {
+    {{4.0f, kAnySlope}, {4.0f, 0.25f}, {2.0f, kAnySlope}, {4.0f, 0.125f}, {1.0f, kAnySlope}}};
+constexpr size_t kFits = kWindows.size() + 3;
+// Less smooth fits are taken where they err less by this: what both differ by may be noise.
+constexpr float kBetter = 0.04f;
+constexpr int kFar = 8;         // windows end here, in x and y
+constexpr float kJudge = 6.0f;  // deviation of the window in which fits are judged
+constexpr int kBlend = 2;       // pixels over which one fit passes into another
 // Pixels take no part across a step of more footprints than this off the tangent plane.
 constexpr float kOffPlane = 3.0f;
-// Of a feature's variance: keeps fits to few pixels from following their noise.
+// Fits to fewer pixels are their mean.
 constexpr float kLeastPixels = 4.0f;
+// Of the mean square: below it a feature's variance is rounding.
+constexpr float kLeastVariance = 1e-4f;
+// Of a feature's variance: keeps features that vary alike apart.
 constexpr float kRidge = 1e-3f;
 
-float gaussian(const ivec2& d, float deviation) {
-    return std::exp(-0.5f * static_cast<float>(d.x * d.x + d.y * d.y) / (deviation * deviation));
-}
-
-// Two fits, to the halves of the rays, at each width.
+// What a pixel's light is by each fit, and how far that is wrong.
 struct Fits {
-    std::array<std::array<vec3, kWindows.size()>, 2> light;
-    std::array<float, kWindows.size()> error2;  // of each width, but for what all have in common
+    std::array<vec3, kFits> light;
+    std::array<float, kFits> error2;  // but for what all have in common
 };
 
 class Filter {
@@ -114,7 +120,7 @@ class Filter {
         const vec3 h = wo + glm::normalize(mirrored + (q - p) * nearness);
         const float NoH = std::max(glm::dot(h, n), 1e-6f);
         const float slope = glm::length(h - NoH * n) / (NoH * shared::alphaFromRoughness(normal.w));
-        return slope < kAnySlope ? slope : 10.0f;
+        return slope < kFarSlope ? slope : kFarSlope;  // also where it is no number
     }
 
     void fit(size_t i);
@@ -127,17 +133,20 @@ class Filter {
     Image<int> index_;  // into pixels_, -1: not by rays
     std::vector<ivec2> pixels_;
     std::vector<Fits> fits_;
-    std::vector<size_t> chosen_;  // width
+    std::vector<size_t> chosen_;  // fit
 };
 
 struct Neighbour {
     vec3 features;  // x, y, guide, from those of the pixel that is fitted
     vec3 light[2];
-    float weight;
+    vec3 guide;
+    float pixels2;  // distance, squared
+    float slope;
+    float weight = 0.0f;
 };
 
-// The least-squares fit of light by a constant and the features, at features of zero. It is linear
-// in the light: the weights of a mean, tilted.
+// The least-squares fits of both lights by a constant and the features, at features of zero; left
+// alone where no one is around. They are linear in the light: a mean, tilted.
 void fitAtZero(std::span<const Neighbour> around, vec3* fitted) {
     float all = 0.0f;
     float squares = 0.0f;
@@ -149,20 +158,22 @@ void fitAtZero(std::span<const Neighbour> around, vec3* fitted) {
         mean += n.weight * n.features;
         square += glm::outerProduct(n.weight * n.features, n.features);
     }
+    if (!(all > 0.0f)) {
+        return;
+    }
     mean /= all;
     // In units of the features' deviations, of which one may be that of a few pixels' rounding.
     const mat3 variance = square / all - glm::outerProduct(mean, mean);
+    const float pixels = all * all / squares;
     vec3 scale(0.0f);
-    for (int k = 0; k < 3; ++k) {
-        scale[k] = all * all > kLeastPixels * squares && variance[k][k] > 1e-4f * square[k][k] / all
-                       ? 1.0f / std::sqrt(variance[k][k])
-                       : 0.0f;
-    }
     mat3 correlation(0.0f);
     for (int k = 0; k < 3; ++k) {
+        const bool varies = variance[k][k] > kLeastVariance * square[k][k] / all;
+        scale[k] = varies && pixels > kLeastPixels ? 1.0f / std::sqrt(variance[k][k]) : 0.0f;
+    }
+    for (int k = 0; k < 3; ++k) {
         correlation[k] = scale * scale[k] * variance[k];
-        static const float K = getenv("KK") ? atof(getenv("KK")) : 1.0f;
-        correlation[k][k] = 1.0f + kRidge + K * squares / (all * all);
+        correlation[k][k] = 1.0f + kRidge + 1.0f / pixels;
     }
     const vec3 tilt = -scale * (glm::inverse(correlation) * (scale * mean));
     fitted[0] = fitted[1] = vec3(0.0f);
@@ -173,73 +184,92 @@ void fitAtZero(std::span<const Neighbour> around, vec3* fitted) {
     }
 }
 
+// The guide, and the mean of what both lights around are more than it.
+void addMissed(std::span<const Neighbour> around, const vec3& guide, vec3* fitted) {
+    float all = 0.0f;
+    vec3 missed[2] = {};
+    for (const Neighbour& n : around) {
+        all += n.weight;
+        missed[0] += n.weight * (n.light[0] - n.guide);
+        missed[1] += n.weight * (n.light[1] - n.guide);
+    }
+    for (int half = 0; half < 2 && all > 0.0f; ++half) {
+        fitted[half] = guide + missed[half] / all;
+    }
+}
+
 void Filter::fit(size_t i) {
     const ivec2 own = pixels_[i];
-    Fits& fits = fits_[i];
+    const vec3& guide = light_.guide.at(own.x, own.y);
     const vec3 seen[2] = {light_.halves[0].at(own.x, own.y), light_.halves[1].at(own.x, own.y)};
-    const float guide = luminance(light_.guide.at(own.x, own.y));
-    std::vector<Neighbour> around;
-    std::vector<vec2> offsets;  // slope, weight by pixels
+    std::array<Neighbour, (2 * kFar + 1) * (2 * kFar + 1)> all;
+    size_t count = 0;
     forAlike(own, kFar, 1, [&](const ivec2& d, const ivec2& at) {
-        around.push_back(
-            {.features = vec3(d, luminance(light_.guide.at(at.x, at.y)) - guide),
-             .light = {light_.halves[0].at(at.x, at.y), light_.halves[1].at(at.x, at.y)},
-             .weight = 0.0f});
-        offsets.emplace_back(slope(own, at), static_cast<float>(d.x * d.x + d.y * d.y));
+        all[count++] = {.features = vec3(d, luminance(light_.guide.at(at.x, at.y) - guide)),
+                        .light = {light_.halves[0].at(at.x, at.y), light_.halves[1].at(at.x, at.y)},
+                        .guide = light_.guide.at(at.x, at.y),
+                        .pixels2 = static_cast<float>(d.x * d.x + d.y * d.y),
+                        .slope = slope(own, at)};
     });
+    const std::span<Neighbour> around(all.data(), count);
+    Fits& fits = fits_[i];
+    // Each half's fit against the other half: its error and the other's noise. Both together have
+    // half of the noise.
+    const auto keep = [&](size_t which, const vec3& first, const vec3& second) {
+        const float a = luminance(first - seen[1]);
+        const float b = luminance(second - seen[0]);
+        const float apart = luminance(first - second);
+        fits.error2[which] = 0.5f * (a * a + b * b) - 0.25f * apart * apart;
+        fits.light[which] = 0.5f * (first + second);
+    };
+    keep(0, guide, guide);
     for (size_t w = 0; w < kWindows.size(); ++w) {
+        for (Neighbour& n : around) {
+            const float s = n.slope / kWindows[w].slope;
+            const float p2 = n.pixels2 / (kWindows[w].pixels * kWindows[w].pixels);
+            n.weight = std::exp(-0.5f * (s * s + p2));
+        }
         vec3 fitted[2] = {seen[0], seen[1]};
         if (w == 0) {
-            fitted[0] = fitted[1] = light_.guide.at(own.x, own.y);
+            addMissed(around, guide, fitted);
+            keep(1, fitted[0], fitted[1]);
         }
-        if (w > 1 && !around.empty()) {
-            for (size_t k = 0; k < around.size(); ++k) {
-                const float s = offsets[k].x / kWindows[w].slope;
-                around[k].weight = std::exp(
-                    -0.5f * (s * s + offsets[k].y / (kWindows[w].pixels * kWindows[w].pixels)));
-            }
-            fitAtZero(around, fitted);
-        }
-        // Each half's fit against the other half: its error and the other's noise. Both together
-        // have half of the noise.
-        const float a = luminance(fitted[0] - seen[1]);
-        const float b = luminance(fitted[1] - seen[0]);
-        const float both = luminance(fitted[0] - fitted[1]);
-        fits.error2[w] = 0.5f * (a * a + b * b) - 0.25f * both * both;
-        fits.light[0][w] = fitted[0];
-        fits.light[1][w] = fitted[1];
+        fitAtZero(around, fitted);
+        keep(w + 2, fitted[0], fitted[1]);
     }
+    keep(kFits - 1, seen[0], seen[1]);
 }
 
 size_t Filter::choose(const ivec2& own) const {
-    if (getenv("FW"))
-        return static_cast<size_t>(atoi(getenv("FW")));
-    std::array<float, kWindows.size()> error2{};
+    std::array<float, kFits> error2{};
     forAlike(own, kFar, 2, [&](const ivec2& d, const ivec2& at) {
         const Fits& fits = fits_[static_cast<size_t>(index_.at(at.x, at.y))];
-        const float weight = gaussian(d, kJudge);
-        for (size_t w = 0; w < kWindows.size(); ++w) {
-            error2[w] += weight * fits.error2[w];
+        const auto square = static_cast<float>(d.x * d.x + d.y * d.y);
+        const float weight = std::exp(-0.5f * square / (kJudge * kJudge));
+        for (size_t f = 0; f < kFits; ++f) {
+            error2[f] += weight * fits.error2[f];
         }
     });
-    return static_cast<size_t>(std::min_element(error2.begin(), error2.end()) - error2.begin());
+    // Where there are no records' lobes, the fits that tell of these are none.
+    const bool corrected = classes_.isCorrected(own.x, own.y);
+    size_t best = !corrected ? 2 : error2[1] < error2[0] ? 1 : 0;
+    for (size_t f = best + 1; f < kFits; ++f) {
+        if (error2[f] < (corrected ? 1.0f - kBetter : 1.0f) * error2[best]) {
+            best = f;
+        }
+    }
+    return best;
 }
 
 vec3 Filter::blended(size_t i) const {
-    std::array<float, kWindows.size()> weights{};
-    float all = 0.0f;
-    forAlike(pixels_[i], kBlend, 1, [&](const ivec2&, const ivec2& at) {
-        weights[chosen_[static_cast<size_t>(index_.at(at.x, at.y))]] += 1.0f;
-        all += 1.0f;
-    });
     const Fits& fits = fits_[i];
     vec3 light(0.0f);
-    for (size_t w = 0; w < kWindows.size(); ++w) {
-        if (weights[w] > 0.0f) {
-            light += weights[w] / all * 0.5f * (fits.light[0][w] + fits.light[1][w]);
-        }
-    }
-    return all > 0.0f ? light : 0.5f * (fits.light[0][0] + fits.light[1][0]);
+    float all = 0.0f;
+    forAlike(pixels_[i], kBlend, 1, [&](const ivec2&, const ivec2& at) {
+        light += fits.light[chosen_[static_cast<size_t>(index_.at(at.x, at.y))]];
+        all += 1.0f;
+    });
+    return all > 0.0f ? light / all : fits.light[kFits - 1];
 }
 
 }  // namespace
