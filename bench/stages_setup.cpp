@@ -131,7 +131,6 @@ const GpuScene& Setup::gpuScene(const SceneChoice& choice, GpuUse use) {
         });
         if (use == GpuUse::kGather) {
             renderShadowMaps(pool(), scene, gpu_);
-            lightSurfaces(pool(), gpu_);
         }
         gpu_name_ = choice.name;
         gpu_use_ = use;
