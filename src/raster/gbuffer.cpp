@@ -51,7 +51,8 @@ GBuffer renderGBuffer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& 
             names[i] = colors[i].name();
         }
         const Framebuffer second = makeFramebuffer(names, 0);
-        const Program program("raster/fullscreen.vert", "raster/gbuffer.frag", shadingDefines(4));
+        const Program program("raster/fullscreen.vert", "raster/gbuffer.frag",
+                              shadingDefines(gpu, 4));
         const VertexArray empty = makeVertexArray();
         glBindFramebuffer(GL_FRAMEBUFFER, second.name());
         bindShading(gpu, program);

@@ -109,8 +109,8 @@ struct Stage {
     }
 };
 
-// scene -> G-buffer -> classes -> light on surfaces, for records to see -> rays where the cache
-// cannot follow. Direct light comes from rays where records use rays, else from shadow maps.
+// scene -> G-buffer -> classes -> rays where the cache cannot follow. Direct light comes from rays
+// where records use rays, else from shadow maps.
 Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds)
     // Only the raster gather draws with more than one context.
     : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount(), threadCount()) {
@@ -137,8 +137,6 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     }
     if (by_rays) {
         cells.emplace(*rays);
-    } else {
-        lightSurfaces(pool, gpu);
     }
     if (specular_rays) {
         specular =
@@ -183,7 +181,10 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
     }
     HemisphereParams hemisphere = params.gather;
     if (hemisphere.size == 0) {
-        hemisphere.size = gatherSize(params.gather_road, accuracy);
+        hemisphere.size = gatherSize(params.gather_road, accuracy, hemisphere.kind);
+    }
+    if (hemisphere.extent == 0.0f) {
+        hemisphere.extent = gatherExtent(hemisphere.kind);
     }
 
     const Placement placement =
