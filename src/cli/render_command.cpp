@@ -148,12 +148,13 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
             ->check(numberIn(8, 512)),
         any_cache)
         ->default_str("");
-    o.extent_option = limited(app.add_option("--gather-extent", p.gather.extent,
-                                             "radiance, irradiance: half-width of that plane at "
-                                             "distance 1 (border 2, others 3); not for a hemicube")
-                                  ->check(numberIn(1, 10)),
-                              cached)
-                          ->default_str("");
+    o.extent_option =
+        limited(app.add_option("--gather-extent", p.gather.extent,
+                               "radiance, irradiance: half-width of that plane at "
+                               "distance 1 (border 2.5, others 3); not for a hemicube")
+                    ->check(numberIn(1, 10)),
+                cached)
+            ->default_str("");
     app.add_option("--bounces", p.bounces,
                    "Bounces of indirect light; more than 1: reference and denoised only")
         ->check(numberIn(1, 64))

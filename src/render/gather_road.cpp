@@ -13,7 +13,7 @@ int gatherSize(GatherRoad road, float accuracy, HemisphereKind kind) {
     return static_cast<int>(std::lround(texels_at_one / std::sqrt(accuracy)));
 }
 
-float gatherExtent(HemisphereKind kind) { return kind == HemisphereKind::kBorder ? 2.0f : 3.0f; }
+float gatherExtent(HemisphereKind kind) { return kind == HemisphereKind::kBorder ? 2.5f : 3.0f; }
 
 double RecordCost::milliseconds(int triangles) const {
     return fixed + factor * std::pow(static_cast<double>(triangles), power);
