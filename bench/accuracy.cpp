@@ -8,6 +8,7 @@
 
 #include "accuracy_gradients.h"
 #include "accuracy_hemisphere.h"
+#include "accuracy_raster.h"
 #include "accuracy_sh.h"
 #include "accuracy_yardstick.h"
 #include "core/error.h"
@@ -24,11 +25,13 @@ const std::vector<std::string> kAllScenes = {"cornell_diffuse", "cornell_glossy"
 // Sites a scene of the committed tables.
 constexpr int kProjectionSites = 1000;
 constexpr int kHemisphereSites = 3334;  // 10,000 in all, as Table 8.1 of [GKB09]
+constexpr int kRasterSites = 334;       // 1,000 in all
 constexpr int kSizeSites = 400;
 constexpr int kYardstickSites = 1000;
 constexpr int kGradientSites = 150;
 
-const std::set<std::string> kStudies = {"sh", "hemispheres", "sizes", "yardstick", "gradients"};
+const std::set<std::string> kStudies = {"sh",    "hemispheres", "raster",
+                                        "sizes", "yardstick",   "gradients"};
 
 int parseCount(const std::string& text) {
     int count = 0;
@@ -67,6 +70,7 @@ void measure(const std::vector<std::string>& arguments) {
     };
     run("sh", kScenes, kProjectionSites, bench::studyProjection);
     run("hemispheres", kScenes, kHemisphereSites, bench::studyHemispheres);
+    run("raster", kScenes, kRasterSites, bench::studyRaster);
     run("sizes", kScenes, kSizeSites, bench::studyHemisphereSizes);
     run("yardstick", kAllScenes, kYardstickSites, bench::studyYardstick);
     run("gradients", kAllScenes, kGradientSites, bench::studyGradients);
@@ -79,7 +83,7 @@ int main(int argc, char** argv) {
         if (argc < 3) {
             throwUsage(
                 "usage: accuracy SCENES OUTPUT [--records N] "
-                "[sh|hemispheres|sizes|yardstick|gradients]...");
+                "[sh|hemispheres|raster|sizes|yardstick|gradients]...");
         }
         measure({argv + 1, argv + argc});
         return 0;

@@ -131,7 +131,6 @@ const GpuScene& Setup::gpuScene(const SceneChoice& choice) {
             gpu_ = uploadScene(scene);
         });
         renderShadowMaps(pool(), scene, gpu_);
-        lightSurfaces(pool(), gpu_);
         gpu_name_ = choice.name;
     }
     return gpu_;

@@ -1,4 +1,4 @@
-// Direct light against closed forms and the reference; light kept on surfaces.
+// Direct light against closed forms and the reference.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -12,8 +12,6 @@ namespace {
 
 // A lit pixel is off by no more than this share: the design's limit for shadow acne.
 constexpr float kAcne = 1e-3f;
-// Halves keep 11 bits.
-constexpr float kHalfError = 1e-3f;
 
 const vec3 kAlbedo(0.8f, 0.5f, 0.2f);
 
@@ -172,138 +170,6 @@ TEST(DirectLight, AgreesWithTheReferenceAwayFromShadowEdges) {
     open.lights.push_back(directionalLight(vec3(-0.5f, -1, -0.7f), vec3(2)));
     open.cameras.push_back(lookAt(vec3(1, 3, 3), vec3(0)));
     EXPECT_GT(agreeingShare(open, 0.005f), kAwayFromEdges) << "sun";
-}
-
-// ---- Surface light ------------------------------------------------------------------------------
-
-struct StoredLight {
-    std::vector<vec4> front, back;
-};
-
-StoredLight readSurfaceLight(TestStage& stage) {
-    const LitTriangle& last = stage.gpu.lit_triangles.back();
-    const int count = static_cast<int>(
-        last.first + shared::surfaceLightLevelFirst(last.log2_size, last.log2_size) + 1u);
-    const int width = 1024, height = (count + width - 1) / width;
-    StoredLight light;
-    light.front.resize(static_cast<size_t>(width * height));
-    light.back.resize(light.front.size());
-    stage.pool.runOnFirst([&] {
-        using namespace gl;
-        const Program program("raster/fullscreen.vert", "test/surface_light.frag");
-        const gl::Texture targets[] = {makeTexture2d(GL_RGBA32F, width, height),
-                                       makeTexture2d(GL_RGBA32F, width, height)};
-        const GLuint names[] = {targets[0].name(), targets[1].name()};
-        const Framebuffer framebuffer = makeFramebuffer(names, 0);
-        const VertexArray empty = makeVertexArray();
-        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-        glViewport(0, 0, width, height);
-        program.use();
-        program.set("image_width", width);
-        program.set("count", count);
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, stage.gpu.surface_light.name());
-        glBindVertexArray(empty.name());
-        drawFullscreen();
-        std::vector<vec4>* images[] = {&light.front, &light.back};
-        for (int i = 0; i < 2; ++i) {
-            glNamedFramebufferReadBuffer(framebuffer.name(),
-                                         GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
-            glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, images[i]->data());
-        }
-        glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    });
-    return light;
-}
-
-TEST(SurfaceLight, IsWhatTheSurfaceScattersOnEachSide) {
-    for (float scale : {1.0f, 1000.0f, 0.001f}) {
-        Scene scene = tiltedSquare(vec3(0, 1, 0), scale);
-        scene.materials[0].params.emission = vec3(0.25f, 0.0f, 0.0f);
-        scene.lights.push_back(
-            pointLight(scale * vec3(0.2f, 0.8f, 0.1f), vec3(3, 2, 1) * scale * scale));
-        // The back side has another light.
-        scene.lights.push_back(directionalLight(vec3(0.5f, 1, 0), vec3(0.5f)));
-        TestStage stage(scene);
-        const StoredLight stored = readSurfaceLight(stage);
-        ASSERT_GE(stage.gpu.lit_triangles.size(), 2u);
-        for (const LitTriangle& t : stage.gpu.lit_triangles) {
-            EXPECT_EQ(t.lambertian, 1);
-            const int size = 1 << t.log2_size;
-            ASSERT_GE(size, 64);
-            for (int j = 0; j < size; j += 5) {
-                for (int i = 0; i + j + 1 < size; i += 5) {
-                    const float b1 = (static_cast<float>(i) + 0.5f) / static_cast<float>(size);
-                    const float b2 = (static_cast<float>(j) + 0.5f) / static_cast<float>(size);
-                    const vec3 p = t.p0 + b1 * (t.p1 - t.p0) + b2 * (t.p2 - t.p0);
-                    const size_t texel =
-                        t.first + shared::surfaceLightTexel(t.log2_size, 0, b1, b2);
-                    const vec3 emission = scene.materials[0].params.emission;
-                    const vec3 up = emission + lambert(scene.lights[0], p, vec3(0, 1, 0));
-                    const vec3 down = emission + lambert(scene.lights[1], p, vec3(0, -1, 0));
-                    const bool upward = glm::cross(t.p1 - t.p0, t.p2 - t.p0).y > 0.0f;
-                    const vec3 front(upward ? stored.front[texel] : stored.back[texel]);
-                    const vec3 back(upward ? stored.back[texel] : stored.front[texel]);
-                    for (int c = 0; c < 3; ++c) {
-                        ASSERT_NEAR(front[c], up[c], kHalfError * up[c])
-                            << scale << " " << i << " " << j;
-                        ASSERT_NEAR(back[c], down[c], kHalfError * down[c]) << scale;
-                    }
-                }
-            }
-        }
-    }
-}
-
-TEST(SurfaceLight, CoarseLevelsAreMeans) {
-    Scene scene = tiltedSquare(vec3(0, 1, 0), 1.0f);
-    scene.lights.push_back(pointLight(vec3(0.2f, 0.8f, 0.1f), vec3(3, 2, 1)));
-    TestStage stage(scene);
-    const StoredLight stored = readSurfaceLight(stage);
-    for (const LitTriangle& t : stage.gpu.lit_triangles) {
-        // The last level is one texel: the triangle's mean.
-        vec3 mean(0.0f);
-        constexpr int kSteps = 200;
-        int count = 0;
-        for (int i = 0; i < kSteps; ++i) {
-            for (int j = 0; i + j + 1 < kSteps; ++j, ++count) {
-                mean += lambert(scene.lights[0],
-                                t.p0 + (static_cast<float>(i) + 0.5f) / kSteps * (t.p1 - t.p0) +
-                                    (static_cast<float>(j) + 0.5f) / kSteps * (t.p2 - t.p0),
-                                vec3(0, 1, 0));
-            }
-        }
-        mean /= static_cast<float>(count);
-        const size_t top = t.first + shared::surfaceLightLevelFirst(t.log2_size, t.log2_size);
-        const vec3 front(stored.front[top] + stored.back[top]);  // the side with no light is black
-        // Halves, and the cells along the diagonal.
-        EXPECT_NEAR(front.x, mean.x, 0.01f * mean.x);
-        EXPECT_NEAR(front.z, mean.z, 0.01f * mean.z);
-    }
-}
-
-TEST(SurfaceLight, LayoutGivesEveryTriangleItsTexelsWithinTheBudget) {
-    for (int rings : {2, 40, 200}) {
-        Scene scene;
-        addSphere(scene, vec3(0), 1.0f, rings, addMaterial(scene, diffuseParams(vec3(0.5f))));
-        addQuad(scene, vec3(-1), vec3(2, 0, 0), vec3(0, 2, 0),
-                addMaterial(scene, glossyParams(vec3(0.5f), 0.0f, 0.4f)));
-        TestStage stage(scene);
-        const std::vector<LitTriangle>& lit = stage.gpu.lit_triangles;
-        ASSERT_GE(lit.size(), scene.triangles.size());
-        uint32_t next = 0;
-        int64_t level0 = 0;
-        int shaded = 0;
-        for (const LitTriangle& t : lit) {
-            EXPECT_EQ(t.first, next);
-            shaded += t.lambertian == 0 ? 1 : 0;
-            EXPECT_EQ(t.lambertian == 0 ? t.log2_size : 0, 0);
-            // 4^k + ... + 4 + 1 texels
-            next += ((4u << (2 * t.log2_size)) - 1u) / 3u;
-            level0 += int64_t{1} << (2 * t.log2_size);
-        }
-        EXPECT_GE(shaded, 2);
-        EXPECT_LE(level0, std::max<int64_t>(1 << 20, static_cast<int64_t>(lit.size())));
-    }
 }
 
 }  // namespace

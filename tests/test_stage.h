@@ -12,7 +12,6 @@ class TestStage {
     explicit TestStage(const Scene& scene, int workers = 2) : scene_(scene), pool(workers) {
         pool.runOnFirst([&] { gpu = uploadScene(scene_); });
         renderShadowMaps(pool, scene_, gpu);
-        lightSurfaces(pool, gpu);
     }
     ~TestStage() {
         pool.runOnFirst([&] { gpu = {}; });

@@ -73,11 +73,13 @@ vec3 liftToSurface(vec3 p, vec3 n_g, vec3 wi, float lod_error) {
 }
 
 // Radiance toward wo of light scattered once, as seen by a ray that stands for `solid_angle` (0: for
-// itself).
+// itself). LAMBERTIAN: where all surfaces are.
 vec3 directRadiance(Surface s, vec3 wo, float solid_angle) {
+#ifndef LAMBERTIAN
     float NoV = max(dot(s.n, wo), MIN_COSINE);
     Brdf brdf = makeBrdf(s.material, brdfAlbedo(NoV, s.material.roughness));
     float alpha = brdf.alpha;
+#endif
     vec3 sum = vec3(0.0);
     for (int i = 0; i < light_count; ++i) {
         PunctualLight light = lights[i];
@@ -85,8 +87,12 @@ vec3 directRadiance(Surface s, vec3 wo, float solid_angle) {
         float NoL = dot(s.n, l.wi);
         if (NoL > 0.0 && dot(s.n_g, l.wi) > 0.0) {
             vec3 p = liftToSurface(s.p, s.n_g, l.wi, s.lod_error);
+#ifdef LAMBERTIAN
+            vec3 f = s.material.base_color / PI;
+#else
             brdf.alpha = filteredAlpha(alpha, solid_angle, s.distance, l.distance);
             vec3 f = evalBrdf(brdf, s.n, wo, l.wi);
+#endif
             sum += f * l.irradiance * (NoL * lightVisibility(light, p, s.n_g));
         }
     }

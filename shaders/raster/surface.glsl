@@ -11,7 +11,7 @@ struct PackedTriangle {
     vec3 n0; float uv1_x;
     vec3 n1; float uv1_y;
     vec3 n2; float uv2_x;
-    float uv2_y; uint pad; uint light_texel; float lod_error;
+    float uv2_y; uint scene_triangle; float lod_error; float pad0;
 };
 struct PackedMaterial {
     MaterialParams params;
@@ -90,6 +90,7 @@ Surface surfaceAt(uint triangle, vec3 origin, vec3 direction, float texel_solid_
     surface.lod_error = t.lod_error;
     PackedMaterial m = materials[t.material];
     surface.material = m.params;
+#ifdef TEXTURED
     if (m.texture_first >= 0) {
         vec2 uv0 = vec2(t.uv0_x, t.uv0_y);
         vec2 uv1 = vec2(t.uv1_x, t.uv1_y);
@@ -107,6 +108,7 @@ Surface surfaceAt(uint triangle, vec3 origin, vec3 direction, float texel_solid_
         }
         surface.material.base_color *= textureColor(m, b0 * uv0 + b1 * uv1 + b2 * uv2, level);
     }
+#endif
     return surface;
 }
 

@@ -34,6 +34,8 @@ struct SeenTexels {
     /// whose z is its normal: along a unit direction d a plane lies at distance 1 / dot(plane, d).
     /// Zero where that ray met nothing; empty where planes are not known.
     std::vector<vec3> planes = {};
+    /// By how much the record's frame is turned about its normal, radians: tangentFrame().
+    float turn = 0.0f;
 };
 
 /// Turns what a record sees into the record: irradiance, gradients, harmonic mean distance and, for

@@ -196,7 +196,7 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
     const std::vector<vec4>& texels = seen.light;
     SHEEN_CHECK_EQ(texels.size(), static_cast<size_t>(h.texelCount()));
     SHEEN_CHECK(seen.planes.empty() || seen.planes.size() == texels.size());
-    const mat3 frame = tangentFrame(site.normal);
+    const mat3 frame = tangentFrame(site.normal, seen.turn);
     const size_t count = texels.size();
     std::vector<float> inverse_distance(count);
     vec3 irradiance(0.0f);

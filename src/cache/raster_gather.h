@@ -12,7 +12,7 @@
 namespace sheen {
 
 /// Gathers on all workers of a pool at once; the results do not depend on how many there are. The
-/// GPU scene needs its surfaces lit.
+/// GPU scene needs its shadow maps.
 class RasterGatherer {
   public:
     RasterGatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
@@ -22,25 +22,32 @@ class RasterGatherer {
     /// One result a site, in order.
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites);
 
-    /// Time spent so far, as an average over the workers.
-    GatherSeconds seconds() const;
+    /// Time spent so far.
+    GatherSeconds seconds() const { return seconds_; }
 
   private:
     struct Worker;
+    struct Drawn;
+    void see(std::span<const RecordSite> sites);
     void upload(Worker& w, std::span<const RecordSite> batch) const;
     void draw(Worker& w, int records) const;
-    void readBack(Worker& w, int records) const;
-    void integrate(Worker& w, std::span<const RecordSite> batch, GatheredRecord* results) const;
+    void readBack(const Worker& w, int records, Drawn& drawn) const;
+    void seenBy(std::span<const RecordSite> sites, size_t index, SeenTexels& seen) const;
+    mat3 frameOf(const RecordSite& site) const;
+    vec3 eyeOf(const RecordSite& site) const;
 
     gl::WorkerPool& pool_;
     const GpuScene& gpu_;
+    Bounds bounds_;
     Hemisphere hemisphere_;
     float near_ = 0;
     float lod_tolerance_ = 0;  // radians
     float lift_ = 0;  // from the surface, so that rounding never puts it in front of the eye
-    bool any_shaded_ = false;  // whether some surface is not Lambertian
     ProjectionMatrices projections_;
     std::vector<std::unique_ptr<Worker>> workers_;
+    std::vector<Drawn> drawn_;      // a batch
+    std::vector<SeenTexels> seen_;  // a record of these batches
+    GatherSeconds seconds_;
 };
 
 }  // namespace sheen

@@ -12,6 +12,13 @@ mat3 tangentFrame(const vec3& n) {
             vec3(b, sign + n.y * n.y * a, -n.y), n};
 }
 
+mat3 tangentFrame(const vec3& n, float angle) {
+    const mat3 frame = tangentFrame(n);
+    const float c = std::cos(angle);
+    const float s = std::sin(angle);
+    return {c * frame[0] + s * frame[1], c * frame[1] - s * frame[0], n};
+}
+
 vec3 convolveRecord(const Record& k, const float* sh, const float* lobe, int order, const vec3& p) {
     const ShLayout layout = shLayout(k.order);
     const vec3 d = p - k.position;

@@ -91,6 +91,8 @@ struct RecordCache {
 
 /// A tangent frame (tangent, bitangent, normal) that depends on the normal alone. [DBC17]
 mat3 tangentFrame(const vec3& normal);
+/// The same, turned about the normal by an angle from the tangent toward the bitangent.
+mat3 tangentFrame(const vec3& normal, float angle);
 
 /// A lobe [order * order] times a record's coefficients (`sh`, in ShLayout) extrapolated to p, RGB.
 vec3 convolveRecord(const Record& k, const float* sh, const float* lobe, int order, const vec3& p);

@@ -140,22 +140,27 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                            "same error")
                 ->check(CLI::IsMember(keysOf(kGathers))),
             cached);
-    limited(app.add_option(
-                   "--gather-size", p.gather.size,
-                   fmt::format("radiance, irradiance: texels along a side of that plane ({} at the "
-                               "default accuracy, rasterised {}), by rays that of a record which "
-                               "reaches 5 pixels, farther reaching ones having more; octree: rings "
-                               "of a record's rays; default: by the accuracy",
-                               gatherSize(GatherRoad::kRays, p.placement.accuracy),
-                               gatherSize(GatherRoad::kRaster, p.placement.accuracy)))
-                ->check(numberIn(8, 512)),
-            any_cache)
+    limited(
+        app.add_option(
+               "--gather-size", p.gather.size,
+               fmt::format(
+                   "radiance, irradiance: texels along a side of that plane ({} at the "
+                   "default accuracy, rasterised {}, border {}), by rays that of a record which "
+                   "reaches 5 pixels, farther reaching ones having more; octree: rings "
+                   "of a record's rays; default: by the accuracy",
+                   gatherSize(GatherRoad::kRays, p.placement.accuracy),
+                   gatherSize(GatherRoad::kRaster, p.placement.accuracy),
+                   gatherSize(GatherRoad::kRaster, p.placement.accuracy, HemisphereKind::kBorder)))
+            ->check(numberIn(8, 512)),
+        any_cache)
         ->default_str("");
-    o.extent_option = limited(app.add_option("--gather-extent", p.gather.extent,
-                                             "radiance, irradiance: half-width of that plane at "
-                                             "distance 1; not for a hemicube")
-                                  ->check(numberIn(1, 10)),
-                              cached);
+    o.extent_option =
+        limited(app.add_option("--gather-extent", p.gather.extent,
+                               "radiance, irradiance: half-width of that plane at "
+                               "distance 1 (border 2.5, others 3); not for a hemicube")
+                    ->check(numberIn(1, 10)),
+                cached)
+            ->default_str("");
     app.add_option("--bounces", p.bounces,
                    "Bounces of indirect light; more than 1: reference and denoised only")
         ->check(numberIn(1, 64))

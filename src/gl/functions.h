@@ -64,6 +64,7 @@
     X(PFNGLPROGRAMUNIFORM2IPROC, glProgramUniform2i)                               \
     X(PFNGLPROGRAMUNIFORM3FPROC, glProgramUniform3f)                               \
     X(PFNGLPROGRAMUNIFORM4FPROC, glProgramUniform4f)                               \
+    X(PFNGLPROGRAMUNIFORM4FVPROC, glProgramUniform4fv)                             \
     X(PFNGLPROGRAMUNIFORMMATRIX3FVPROC, glProgramUniformMatrix3fv)                 \
     X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, glProgramUniformMatrix4fv)                 \
     X(PFNGLREADPIXELSPROC, glReadPixels)                                           \

@@ -37,11 +37,12 @@ class Program {
     void set(const char* uniform, const vec3& value) const;
     void set(const char* uniform, const vec4& value) const;
     void set(const char* uniform, const mat4& value) const;
-
-  private:
+    /// Where a uniform is, -1 for one the compiler removed; for what is set with every draw.
     GLint location(const char* uniform) const {
         return glGetUniformLocation(program_.name(), uniform);
     }
+
+  private:
     ProgramObject program_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <meshoptimizer.h>
 
+#include <algorithm>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
 
@@ -25,9 +26,9 @@ struct PackedTriangle {
     vec3 n2;
     float uv2_x;
     float uv2_y;
-    uint32_t pad;
-    uint32_t light_texel;
+    uint32_t scene_triangle;
     float lod_error;
+    float pad;
 };
 static_assert(sizeof(PackedTriangle) == 7 * 16);
 
@@ -62,11 +63,20 @@ std::vector<PackedTriangle> packTriangles(const Scene& scene, const ClusteredMes
                           .n2 = scene.normals[v.z],
                           .uv2_x = scene.uvs[v.z].x,
                           .uv2_y = scene.uvs[v.z].y,
-                          .pad = 0,
-                          .light_texel = 0,
-                          .lod_error = 0.0f});
+                          .scene_triangle = t,
+                          .lod_error = 0.0f,
+                          .pad = 0.0f});
     }
     return packed;
+}
+
+std::vector<TrianglePlane> planesOf(const std::vector<PackedTriangle>& triangles) {
+    std::vector<TrianglePlane> planes;
+    planes.reserve(triangles.size());
+    for (const PackedTriangle& t : triangles) {
+        planes.push_back({t.p0, glm::cross(t.p1 - t.p0, t.p2 - t.p0)});
+    }
+    return planes;
 }
 
 // Appends a texture's levels, each half the size of the last down to one texel, as halves.
@@ -166,16 +176,15 @@ GpuScene uploadScene(const Scene& scene) {
             }
         }
     }
-    gpu.lit_triangles = layOutSurfaceLight(scene, mesh);
-    uint32_t light_texel = 0;
-    for (size_t i = 0; i < packed.size(); ++i) {
-        packed[i].light_texel = light_texel;
-        light_texel += 1u << (2 * gpu.lit_triangles[i].log2_size);
-    }
+    gpu.planes = planesOf(packed);
+    gpu.textured = std::any_of(scene.materials.begin(), scene.materials.end(),
+                               [](const Material& m) { return m.base_color_texture >= 0; });
+    gpu.lambertian = std::all_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) {
+        return m.params.metallic == 0.0f && m.params.specular == 0.0f;
+    });
     gpu.positions = gl::makeBuffer(std::span<const vec3>(positions));
     gpu.indices = std::move(indices);
     gpu.triangles = gl::makeBuffer(std::span<const PackedTriangle>(packed));
-    gpu.lit_triangle_buffer = gl::makeBuffer(std::span<const LitTriangle>(gpu.lit_triangles));
     gpu.lights = gl::makeBuffer(std::span<const PunctualLight>(scene.lights));
     gpu.albedo_table = gl::makeBuffer(std::span<const float>(
         brdfAlbedoTable(), 2 * shared::ALBEDO_TABLE_MU * shared::ALBEDO_TABLE_ROUGHNESS));
@@ -184,14 +193,16 @@ GpuScene uploadScene(const Scene& scene) {
 }
 
 ClusterDrawer::ClusterDrawer(const GpuScene& gpu, const char* fragment)
-    : program_("raster/visibility.vert", fragment), vertex_array_(gl::makeVertexArray()) {
+    : program_("raster/visibility.vert", fragment),
+      view_rows_(program_.location("rows")),
+      first_drawn_(program_.location("first_drawn")),
+      vertex_array_(gl::makeVertexArray()) {
     using namespace gl;
     const GLuint array = vertex_array_.name();
     glVertexArrayVertexBuffer(array, 0, gpu.positions.name(), 0, sizeof(vec3));
     glVertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, 0);
     glVertexArrayAttribBinding(array, 0, 0);
     glEnableVertexArrayAttrib(array, 0);
-    view_buffer_ = makeBuffer(std::span<const View>());
     index_buffer_ = makeBuffer(std::span<const uint32_t>());
     triangle_buffer_ = makeBuffer(std::span<const uint32_t>());
     glVertexArrayElementBuffer(array, index_buffer_.name());
@@ -222,7 +233,7 @@ void ClusterDrawer::setViews(const GpuScene& gpu, std::span<const View> views, f
         }
     }
     first_triangles_.push_back(static_cast<int>(triangles.size()));
-    gl::refillBuffer(view_buffer_, views);
+    views_.assign(views.begin(), views.end());
     gl::refillBuffer(index_buffer_, std::span<const uint32_t>(indices));
     gl::refillBuffer(triangle_buffer_, std::span<const uint32_t>(triangles));
 }
@@ -231,11 +242,14 @@ void ClusterDrawer::draw(int index) {
     using namespace gl;
     const int first = first_triangles_[static_cast<size_t>(index)];
     const int count = first_triangles_[static_cast<size_t>(index) + 1] - first;
+    if (count == 0) {
+        return;
+    }
     program_.use();
-    program_.set("view_index", index);
-    program_.set("first_drawn", first);
+    glProgramUniform4fv(program_.name(), view_rows_, sizeof(View) / sizeof(vec4),
+                        &views_[static_cast<size_t>(index)].origin.x);
+    glProgramUniform1i(program_.name(), first_drawn_, first);
     glBindVertexArray(vertex_array_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, view_buffer_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, triangle_buffer_.name());
     glDrawElements(GL_TRIANGLES, 3 * count, GL_UNSIGNED_INT,
                    reinterpret_cast<const void*>(static_cast<uintptr_t>(first) * 12));

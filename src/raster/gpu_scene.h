@@ -12,15 +12,12 @@
 #include "raster/view.h"
 #include "scene/scene.h"
 
-namespace sheen::shared {
-using namespace glm;
-#include "shared/surface_light.glsl"
-}  // namespace sheen::shared
-
 namespace sheen {
 
-using shared::LitTriangle;
-static_assert(sizeof(LitTriangle) == 3 * 16);
+/// Where a triangle lies: a point of it and its normal, whose length is twice its area.
+struct TrianglePlane {
+    vec3 point, normal;
+};
 
 struct GpuScene {
     std::vector<Cluster> clusters;
@@ -37,10 +34,9 @@ struct GpuScene {
     gl::Texture shadow_maps;
     gl::Buffer shadow_views;
     int shadow_resolution = 0;
-    // Light that surfaces scatter, filled by lightSurfaces().
-    std::vector<LitTriangle> lit_triangles;
-    gl::Buffer lit_triangle_buffer;
-    gl::Buffer surface_light;  ///< front and back radiance as halves, see gather/lambert.frag
+    std::vector<TrianglePlane> planes;  ///< of all triangles, for records to know what they see
+    bool textured = false;              ///< whether some material is
+    bool lambertian = false;            ///< whether all materials are
 };
 
 /// Packs and uploads `scene`; runs on a worker's context.
@@ -49,13 +45,6 @@ GpuScene uploadScene(const Scene& scene);
 /// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot and
 /// for a directional light, whose view covers the scene's bounds.
 void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu);
-
-/// Shares the texels for surface light out among the triangles of all levels of detail.
-std::vector<LitTriangle> layOutSurfaceLight(const Scene& scene, const ClusteredMesh& mesh);
-
-/// Lights every surface once: what each texel of each triangle scatters diffusely, on both sides,
-/// with mip levels. Records fetch it instead of shading what they see. Needs the shadow maps.
-void lightSurfaces(gl::WorkerPool& pool, GpuScene& gpu);
 
 /// Draws clusters into views; belongs to one worker, whose context is current.
 class ClusterDrawer {
@@ -73,8 +62,10 @@ class ClusterDrawer {
 
   private:
     gl::Program program_;
+    GLint view_rows_ = -1;  // where uniforms are: looking names up takes as long as a small draw
+    GLint first_drawn_ = -1;
     gl::VertexArray vertex_array_;
-    gl::Buffer view_buffer_;
+    std::vector<View> views_;
     gl::Buffer index_buffer_;
     gl::Buffer triangle_buffer_;        // which triangle each drawn one is
     std::vector<int> first_triangles_;  // of each view, and the end of the last
@@ -82,7 +73,7 @@ class ClusterDrawer {
 
 /// Defines that every shader including raster/direct.glsl needs; `taps` of the shadow filter: 1
 /// or 4.
-std::vector<std::string> shadingDefines(int taps);
+std::vector<std::string> shadingDefines(const GpuScene& gpu, int taps);
 /// Binds the buffers and textures that raster/direct.glsl reads and sets its uniforms.
 void bindShading(const GpuScene& gpu, const gl::Program& program);
 

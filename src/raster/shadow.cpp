@@ -113,11 +113,19 @@ bool fits(int resolution, size_t layers) {
 
 }  // namespace
 
-std::vector<std::string> shadingDefines(int taps) {
-    return {fmt::format("SHADOW_TAPS {}", taps),
-            fmt::format("SHADOW_LIFT_TEXELS {}", taps == 1 ? kLiftTexelsSingle : kLiftTexelsWide),
-            fmt::format("SHADOW_MARGIN {}", kMargin),
-            fmt::format("SPOT_CUBE_COSINE {:.1f}", kSpotCubeCosine)};
+std::vector<std::string> shadingDefines(const GpuScene& gpu, int taps) {
+    std::vector<std::string> defines = {
+        fmt::format("SHADOW_TAPS {}", taps),
+        fmt::format("SHADOW_LIFT_TEXELS {}", taps == 1 ? kLiftTexelsSingle : kLiftTexelsWide),
+        fmt::format("SHADOW_MARGIN {}", kMargin),
+        fmt::format("SPOT_CUBE_COSINE {:.1f}", kSpotCubeCosine)};
+    if (gpu.textured) {
+        defines.emplace_back("TEXTURED");
+    }
+    if (gpu.lambertian) {
+        defines.emplace_back("LAMBERTIAN");
+    }
+    return defines;
 }
 
 void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {

@@ -2,13 +2,17 @@
 // less. Chosen before anything is rendered (`--gather auto`); measured in docs/decisions.md.
 #pragma once
 
+#include "hemisphere/hemisphere.h"
+
 namespace sheen {
 
 /// What finds the light around a record: rays on the CPU or the rasteriser.
 enum class GatherRoad { kRays, kRaster };
 
 /// Texels along a hemisphere's side where none are asked for.
-int gatherSize(GatherRoad road, float accuracy);
+int gatherSize(GatherRoad road, float accuracy, HemisphereKind kind = HemisphereKind::kHemicube);
+/// Half-extent of a hemisphere's plane where none is asked for.
+float gatherExtent(HemisphereKind kind);
 
 /// Milliseconds that a record costs among so many triangles: fixed + factor * triangles^power.
 struct RecordCost {

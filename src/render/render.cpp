@@ -123,8 +123,8 @@ struct Stage {
     }
 };
 
-// scene -> rays -> G-buffer -> classes -> light on surfaces, for records to see -> rays where the
-// cache cannot follow. Direct light comes from rays where records use rays, else from shadow maps.
+// scene -> rays -> G-buffer -> classes -> rays where the cache cannot follow. Direct light comes
+// from rays where records use rays, else from shadow maps.
 Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds)
     // Only the raster gather draws with more than one context.
     : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount(), threadCount()) {
@@ -152,9 +152,6 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
 
     const Timer gather_timer;
     cells.emplace(*rays);
-    if (!by_rays) {
-        lightSurfaces(pool, gpu);
-    }
     if (classes.anyByRays()) {
         specular = traceSpecular(*rays, &*cells, gbuffer, classes, params.specular);
     }
@@ -228,7 +225,10 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
     }
     HemisphereParams hemisphere = params.gather;
     if (hemisphere.size == 0) {
-        hemisphere.size = gatherSize(params.gather_road, accuracy);
+        hemisphere.size = gatherSize(params.gather_road, accuracy, hemisphere.kind);
+    }
+    if (hemisphere.extent == 0.0f) {
+        hemisphere.extent = gatherExtent(hemisphere.kind);
     }
 
     PassGatherer gatherer(scene, stage, params, hemisphere);

@@ -31,7 +31,8 @@ struct RenderParams {
     double target_error = 0;
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;
-    HemisphereParams gather{.size = 0};  ///< size 0: by the accuracy
+    /// size 0: by the accuracy; extent 0: by the kind
+    HemisphereParams gather{.size = 0, .extent = 0.0f};
     SpecularParams specular;
     // The path tracer, plain and denoised.
     int bounces = 1;
