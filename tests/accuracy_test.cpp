@@ -17,8 +17,8 @@ namespace {
 
 constexpr float kDefault = PlacementParams{}.accuracy;
 constexpr float kCoarse = 2.0f;
-// G-buffer and rays may pick different triangles at edges.
-constexpr double kMostExcluded = 0.01;
+// The error lies within the estimate's interval nine times of ten, and never farther outside of it.
+constexpr double kMostOutside = 2.0;
 
 // One render and what it errs by now, in percent. `scene` is a file of scenes/ or of caseScenes().
 struct Measured {
@@ -77,12 +77,17 @@ TEST_P(Accuracy, IsNotWorseThanItWas) {
                                         .reference_variance = &colorLayer(truth, "variance"),
                                         .test_primitive = &result.frame.primitive,
                                         .reference_primitive = &truth.primitive});
-    std::printf("%s, accuracy %g: rel_rmse %.2f%%, bias %+.2f%%, tile_max %.1f%%, noise %.2f%%\n",
-                referenceName(row).c_str(), row.accuracy, 100.0 * c.rel_rmse, 100.0 * c.bias,
-                100.0 * c.tile_max,
-                100.0 * c.rel_rmse * std::sqrt(c.noise_share / (1.0 - c.noise_share)));
+    std::printf(
+        "%s, accuracy %g: rel_rmse %.2f%%, bias %+.2f%%, tile_max %.1f%%, noise %.2f%%, estimate "
+        "%.2f%% (%.2f to %.2f%%)\n",
+        referenceName(row).c_str(), row.accuracy, 100.0 * c.rel_rmse, 100.0 * c.bias,
+        100.0 * c.tile_max, 100.0 * c.rel_rmse * std::sqrt(c.noise_share / (1.0 - c.noise_share)),
+        100.0 * result.stats.estimated_rel_rmse, 100.0 * result.stats.estimate_low,
+        100.0 * result.stats.estimate_high);
     EXPECT_TRUE(c.judged) << "the reference is too noisy";
-    EXPECT_LE(c.excluded, kMostExcluded * truth.width * truth.height);
+    EXPECT_EQ(c.excluded, 0);  // pixels see the triangles that the reference's rays meet
+    EXPECT_GE(kMostOutside * c.rel_rmse, result.stats.estimate_low);
+    EXPECT_LE(c.rel_rmse / kMostOutside, result.stats.estimate_high);
     const Margin& margin = row.accuracy == kCoarse ? kCoarseMargin : kDefaultMargin;
     EXPECT_LE(100.0 * c.rel_rmse, margin.rel_rmse * row.rel_rmse);
     EXPECT_LE(100.0 * std::abs(c.bias), std::abs(row.bias) + margin.bias);
@@ -95,28 +100,28 @@ std::string testName(const testing::TestParamInfo<Measured>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Accuracy,
-                         testing::Values(Measured{"cornell_diffuse", "", kDefault, 1.08, 0.02, 2.6},
-                                         Measured{"cornell_diffuse", "", kCoarse, 2.98, 0.11, 9.3},
-                                         Measured{"cornell_glossy", "", kDefault, 2.56, 0.05, 3.8},
-                                         Measured{"cornell_glossy", "", kCoarse, 7.35, 0.30, 11.3},
-                                         Measured{"venus_glossy", "", kDefault, 1.39, 0.17, 4.6},
-                                         Measured{"venus_glossy", "", kCoarse, 4.07, 0.40, 8.1},
-                                         Measured{"atrium", "", kDefault, 2.71, -0.03, 5.7},
+                         testing::Values(Measured{"cornell_diffuse", "", kDefault, 1.05, 0.06, 2.3},
+                                         Measured{"cornell_diffuse", "", kCoarse, 2.90, 0.11, 9.3},
+                                         Measured{"cornell_glossy", "", kDefault, 2.38, 0.02, 3.5},
+                                         Measured{"cornell_glossy", "", kCoarse, 6.64, 0.22, 11.3},
+                                         Measured{"venus_glossy", "", kDefault, 1.12, 0.12, 2.3},
+                                         Measured{"venus_glossy", "", kCoarse, 3.99, 0.36, 7.5},
+                                         Measured{"atrium", "", kDefault, 2.57, -0.03, 4.9},
                                          Measured{"atrium", "", kCoarse, 8.16, 0.47, 14.2}),
                          testName);
 
-// Wrong as they are: dielectric floors at grazing angles, polished ones, and rough ones before a
-// bright wall. These figures only keep the errors from growing; whoever lowers them is to lower the
-// table.
+// Dielectric floors at grazing angles, polished ones, and rough ones before a bright wall: what is
+// hardest for a cache. (By truncated lobes alone corridor had 10.7%, grazing 15.4%,
+// seam_r80 15.7%.)
 INSTANTIATE_TEST_SUITE_P(GrazingGloss, Accuracy,
-                         testing::Values(Measured{"corridor", "", kDefault, 10.70, -0.02, 37.0},
-                                         Measured{"corridor", "", kCoarse, 12.17, -0.40, 32.3},
-                                         Measured{"corridor", "eye", kDefault, 7.61, -0.08, 14.8},
-                                         Measured{"grazing", "", kDefault, 15.43, 0.02, 55.2},
-                                         Measured{"corridor_r25", "", kDefault, 3.61, -0.21, 22.6},
-                                         Measured{"corridor_r60", "", kDefault, 5.75, -0.09, 44.6},
-                                         Measured{"seam_r80", "", kDefault, 15.70, 0.16, 53.2},
-                                         Measured{"seam_r100", "", kDefault, 7.52, -0.53, 19.5}),
+                         testing::Values(Measured{"corridor", "", kDefault, 4.51, -0.02, 16.1},
+                                         Measured{"corridor", "", kCoarse, 6.68, -0.40, 15.4},
+                                         Measured{"corridor", "eye", kDefault, 2.89, -0.08, 6.8},
+                                         Measured{"grazing", "", kDefault, 3.59, 0.02, 14.0},
+                                         Measured{"corridor_r25", "", kDefault, 3.61, -0.21, 12.5},
+                                         Measured{"corridor_r60", "", kDefault, 2.50, -0.09, 13.3},
+                                         Measured{"seam_r80", "", kDefault, 4.02, 0.16, 4.6},
+                                         Measured{"seam_r100", "", kDefault, 3.66, -0.49, 4.2}),
                          testName);
 
 }  // namespace

@@ -195,12 +195,18 @@ TEST_F(CliTest, pathsArePrintedAsTraced) {
     EXPECT_EQ(Json::parse(run.out)["spp"], 8);  // four replicates of two
 }
 
-TEST_F(CliTest, anEstimateOfNothingIsNone) {
+// One record has no neighbours to judge it; probes do.
+TEST_F(CliTest, aPixelAloneHasAnEstimate) {
     const Outcome run = call("render scene.gltf --size 1x1");
     EXPECT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(run.out.find("estimate  none"), std::string::npos) << run.out;
-    EXPECT_TRUE(Json::parse(call("render scene.gltf --size 1x1 --json -").out)["estimated_rel_rmse"]
-                    .is_null());
+    EXPECT_NE(run.out.find("estimate  rel_rmse"), std::string::npos) << run.out;
+    const Json json = Json::parse(call("render scene.gltf --size 1x1 --json -").out);
+    EXPECT_EQ(json["records"], 1);
+    const auto estimate = json["estimated_rel_rmse"].get<double>();
+    EXPECT_GT(estimate, 0.0);
+    EXPECT_LT(estimate, 0.1);
+    EXPECT_LE(json["estimate_low"].get<double>(), estimate);
+    EXPECT_GE(json["estimate_high"].get<double>(), estimate);
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ constexpr float kSplatError = 1e-4f;
 // Records at pixels spread over the image, of their pixels' classes, with made-up light.
 RecordCache makeRecords(const GBuffer& g, const PixelClasses& classes, int stride, uint32_t seed) {
     Random random(seed);
+    Random missed(seed + 1);
     RecordCache cache;
     for (int i = 0; i < g.width * g.height; i += stride) {
         const auto p = static_cast<size_t>(i);
@@ -42,6 +43,10 @@ RecordCache makeRecords(const GBuffer& g, const PixelClasses& classes, int strid
         r.rotation_b = random.point(-0.3f, 0.3f);
         r.translation_g = random.point(-0.3f, 0.3f);
         r.translation_b = random.point(-3.0f, 3.0f);  // steep: sums below zero are cut
+        r.material = static_cast<float>(classes.materials.pixels[p]);
+        r.missed_r = missed.uniform(-0.5f, 0.5f);
+        r.missed_g = missed.uniform(-0.5f, 0.5f);
+        r.missed_b = missed.uniform(-0.5f, 0.5f);
         r.sh_first = static_cast<int>(cache.sh.size());
         if (r.order > shared::DIFFUSE_ORDER) {
             for (int k = 0; k < shLayout(r.order).size(); ++k) {
@@ -81,6 +86,7 @@ TEST(Splat, GpuEqualsCpuForEveryOrder) {
         // Weights reach a few hundred beside the records' own pixels.
         expectSame(gpu.irradiance, cpu.irradiance, 10.0f, "irradiance");
         expectSame(gpu.specular, cpu.specular, 10.0f, "specular");
+        expectSame(gpu.missed, cpu.missed, 10.0f, "missed");
         double total = 0.0;
         for (const vec4& v : cpu.specular.pixels) {
             total += std::abs(v.x);

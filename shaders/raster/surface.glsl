@@ -11,7 +11,7 @@ struct PackedTriangle {
     vec3 n0; float uv1_x;
     vec3 n1; float uv1_y;
     vec3 n2; float uv2_x;
-    float uv2_y; uint scene_triangle; float lod_error; float pad0;
+    float uv2_y; uint pad1; float lod_error; float pad0;
 };
 struct PackedMaterial {
     MaterialParams params;

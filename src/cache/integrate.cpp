@@ -118,8 +118,12 @@ float greatestCurvature(const vec3& m) {
 
 // What a lobe sees, texel by texel: the mean of their light by the lobe's weights, so that constant
 // light is met exactly. Unlike harmonics it keeps what is narrow, as far as texels resolve it.
+// Nothing is told by texels that do not cover the hemisphere.
 void seeThroughLobe(const Hemisphere& h, std::span<const vec4> texels, const SpecularLobe& lobe,
                     const vec3& wo, GatheredRecord& result) {
+    if (h.params.kind != HemisphereKind::kHemicube && h.params.kind != HemisphereKind::kBorder) {
+        return;
+    }
     const float NoV = std::max(wo.z, shared::MIN_COSINE);
     vec3 light(0.0f);
     float sum = 0.0f;

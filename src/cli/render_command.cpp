@@ -316,9 +316,7 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
                        100 * stats.estimated_rel_rmse, 100 * stats.estimate_low,
                        100 * stats.estimate_high);
         } else {
-            fmt::print("estimate  none: {}\n", std::isnan(stats.estimated_rel_rmse)
-                                                   ? "no indirect light is seen"
-                                                   : "no record serves where another lies");
+            fmt::print("estimate  none: no indirect light is seen\n");
         }
         if (o.params.target_error > 0.0) {
             fmt::print("accuracy  {:.3g}, found in {} passes\n", stats.accuracy, stats.passes);

@@ -26,7 +26,7 @@ struct PackedTriangle {
     vec3 n2;
     float uv2_x;
     float uv2_y;
-    uint32_t scene_triangle;
+    uint32_t pad1;
     float lod_error;
     float pad;
 };
@@ -63,7 +63,7 @@ std::vector<PackedTriangle> packTriangles(const Scene& scene, const ClusteredMes
                           .n2 = scene.normals[v.z],
                           .uv2_x = scene.uvs[v.z].x,
                           .uv2_y = scene.uvs[v.z].y,
-                          .scene_triangle = t,
+                          .pad1 = 0,
                           .lod_error = 0.0f,
                           .pad = 0.0f});
     }
