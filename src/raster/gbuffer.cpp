@@ -71,7 +71,8 @@ void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer) {
         const gl::Texture direct = makeTexture2d(GL_RGBA32F, width, height);
         const GLuint name = direct.name();
         const Framebuffer framebuffer = makeFramebuffer({&name, 1}, 0);
-        const Program program("raster/fullscreen.vert", "raster/gbuffer.frag", shadingDefines(gpu, 4));
+        const Program program("raster/fullscreen.vert", "raster/gbuffer.frag",
+                              shadingDefines(gpu, 4));
         const VertexArray empty = makeVertexArray();
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
         glViewport(0, 0, width, height);
