@@ -135,7 +135,7 @@ Scale scaleOf(const NeighbourErrors& neighbours, std::span<const Probe> probes,
         });
         return {.factor = std::max(found, 0.0), .variance = variance};
     }
-    const double factor = found / expected;
+    const double factor = std::max(found / expected, 0.0);
     double least = 0.0;
     visit([&](double stands_for, double product, double square) {
         const double off = stands_for * (product - factor * square);
@@ -148,7 +148,7 @@ Scale scaleOf(const NeighbourErrors& neighbours, std::span<const Probe> probes,
     const double doubt = spread * spread + std::max(apart * apart - variance, 0.0);
     const double trust = variance / (variance + doubt);
     return {.of_expected = true,
-            .factor = std::max(trust + (1.0 - trust) * factor, 0.0),
+            .factor = trust + (1.0 - trust) * factor,
             .variance = trust * doubt};
 }
 
@@ -245,7 +245,8 @@ ErrorEstimate estimateError(const NeighbourErrors& neighbours, std::span<const P
     const double deviation = std::sqrt(variance) * to_relative;
     const double high = std::sqrt(square + kNineOfTen * deviation);
     const double low = std::sqrt(std::max(square - kNineOfTen * deviation, 0.0));
-    return {std::sqrt(square), std::max(low, high / kWidest), high};
+    const double least = std::max(low, high / kWidest);
+    return {std::max(std::sqrt(square), least), least, high};
 }
 
 }  // namespace sheen

@@ -15,10 +15,8 @@
 namespace sheen {
 namespace {
 
-// A row of samples is a packet of rays: a stratum of the one coordinate, and of the other all
-// strata for each half in turn, so that each half is spread as evenly as both.
+// A row of samples is a packet of rays.
 constexpr int kRowSamples = RayCaster::kPacket;
-constexpr int kHalfSamples = kRowSamples / 2;
 constexpr uint32_t kMostSamples = 1u << 16u;  // of a pixel, more than there are
 
 struct Lobe {
@@ -52,6 +50,9 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
                                                static_cast<float>(params.max_rays));
     const int rows = std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), 1);
     const float rays_sharing = static_cast<float>(rows * kRowSamples) * sharing;
+    // The halves are the fields of a chessboard of strata, which is which by chance: each is right
+    // on average, and both together are as evenly spread as one set of rays.
+    const bool turned = randomPlace(static_cast<uint32_t>(i), ~sample).x < 0.5f;
     SpecularSeen result;
     for (int row = 0; row < rows; ++row) {
         vec3 directions[kRowSamples];
@@ -64,7 +65,7 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
             const vec2 place =
                 randomPlace(static_cast<uint32_t>(i),
                             kMostSamples * sample + static_cast<uint32_t>(row * kRowSamples + k));
-            const vec2 u = (vec2(row, k / 2) + place) / vec2(rows, kHalfSamples);
+            const vec2 u = (vec2(row, k) + place) / vec2(rows, kRowSamples);
             const vec3 h = sampleGgxVisibleNormal(wo_local, lobe.alpha, u);
             const float VoH = glm::dot(wo_local, h);
             const vec3 wi = 2.0f * VoH * h - wo_local;
@@ -74,7 +75,8 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
             }
             const vec3 fresnel = f0 + (vec3(f90) - f0) * shared::schlickWeight(VoH);
             const vec3 weight = fresnel * visibleNormalWeight(NoV, wi.z, lobe.alpha);
-            result.weight[k % 2] += weight;
+            const int half = (row + k + (turned ? 1 : 0)) % 2;
+            result.weight[half] += weight;
             if (glm::dot(direction, n_g) > 0.0f) {
                 directions[count] = glm::normalize(direction);
                 // One over the density of the rays, D G1 / (4 NoV) of each [Hei18, eq. 17], those
@@ -82,7 +84,7 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
                 const float density = rays_sharing * shared::distributionGgx(h.z, lobe.alpha) *
                                       maskingSmith(NoV, lobe.alpha) / (4.0f * NoV);
                 solid_angles[count] = std::min(1.0f / std::max(density, 1e-12f), kPi);
-                halves[count] = k % 2;
+                halves[count] = half;
                 weights[count++] = weight;
             }
         }
@@ -95,9 +97,9 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
             result.nearness += seen[k].w > 0.0f ? 1.0f / seen[k].w : 0.0f;
         }
     }
-    const float half = 0.5f * static_cast<float>(rows * kRowSamples);
-    const vec3 scale = 1.0f / (half * glm::max(specularAlbedo(gbuffer, i), vec3(1e-12f)));
-    result.nearness /= 2.0f * half;
+    const auto all = static_cast<float>(rows * kRowSamples);
+    const vec3 scale = 2.0f / (all * glm::max(specularAlbedo(gbuffer, i), vec3(1e-12f)));
+    result.nearness /= all;
     for (int k = 0; k < 2; ++k) {
         result.light[k] *= scale;
         result.weight[k] *= scale;
