@@ -147,9 +147,8 @@ Scale scaleOf(const NeighbourErrors& neighbours, std::span<const Probe> probes,
     const double apart = factor - 1.0;
     const double doubt = spread * spread + std::max(apart * apart - variance, 0.0);
     const double trust = variance / (variance + doubt);
-    return {.of_expected = true,
-            .factor = trust + (1.0 - trust) * factor,
-            .variance = trust * doubt};
+    return {
+        .of_expected = true, .factor = trust + (1.0 - trust) * factor, .variance = trust * doubt};
 }
 
 }  // namespace
