@@ -91,8 +91,7 @@ std::vector<MaterialOrder> nameOrders(const Scene& scene, const std::vector<int>
     return named;
 }
 
-// The software rasteriser keeps what it last drew to, deleted or not, until it draws elsewhere: 104
-// bytes a pixel of the G-buffer, 20 of splatting.
+// The software rasteriser keeps what it last drew to, deleted or not, until it draws elsewhere.
 void dropTargets() {
     const gl::Texture texel = gl::makeTexture2d(GL_RGBA32F, 1, 1);
     const GLuint name = texel.name();
@@ -330,6 +329,7 @@ RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
 uint64_t bytesPerPixel(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kByPaths = 230;
     constexpr uint64_t kByRecords = 330;
+    constexpr uint64_t kByRays = 320;        // what rays saw and how it is filtered
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
     if (params.method != Method::kRadiance && params.method != Method::kIrradiance) {
         return kByPaths;
@@ -344,7 +344,8 @@ uint64_t bytesPerPixel(const Scene& scene, const RenderParams& params) {
             order = std::max(order, materialOrder(scene, scene.materials[i], params.sh_order));
         }
     }
-    return kByRecords + kPerCoefficient * static_cast<uint64_t>(order * order);
+    return kByRecords + (order > shared::DIFFUSE_ORDER ? kByRays : 0) +
+           kPerCoefficient * static_cast<uint64_t>(order * order);
 }
 
 void checkRenderMemory(const Scene& scene, const RenderParams& params) {
