@@ -85,7 +85,7 @@ TEST(Placement, RecordsKeepWhatTheyMiss) {
     const Placement placement = place(stage, {}, [](const RecordSite& site, GatheredRecord& g) {
         EXPECT_TRUE(site.lobe.any());
         g.lobe_light = vec3(2.0f);
-        g.lobe_texels = 10.0f;
+        g.lobe_texels = 100.0f;
     });
     ASSERT_GT(placement.cache.records.size(), 1u);
     for (size_t k = 0; k < placement.cache.records.size(); ++k) {

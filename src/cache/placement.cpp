@@ -29,6 +29,11 @@ constexpr float kGatherNoise = 0.01f;
 constexpr size_t kNearest = 3;
 constexpr size_t kNone = ~size_t{0};
 
+// Texels that count in what a lobe sees: from so few on it is known, from so many on as well as
+// what all of them say.
+constexpr float kFewTexels = 8.0f;
+constexpr float kEnoughTexels = 32.0f;
+
 // Records that serve creases reach at most so much farther than the least, by which neighbours'
 // footprints may differ.
 constexpr float kCreaseReach = 1.1f;
@@ -296,7 +301,8 @@ void Placer::setMissed(GatheredRecord& g, int pixel) const {
         return;
     }
     const vec3 said = lobeLight(gbuffer_, classes_, lobes_, g.record, g.sh.data(), pixel);
-    const vec3 missed = g.lobe_light - said;
+    const float resolved = glm::smoothstep(kFewTexels, kEnoughTexels, g.lobe_texels);
+    const vec3 missed = resolved * (g.lobe_light - said);
     g.record.missed_r = missed.x;
     g.record.missed_g = missed.y;
     g.record.missed_b = missed.z;
