@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "rays/jitter.h"
 
 namespace sheen::bench {
 namespace {
@@ -44,7 +45,11 @@ std::vector<GatheredRecord> gatherInBatches(RayGatherer& gatherer,
 }
 
 void tellContrasts(RayGatherer& gatherer, std::span<RecordSite> sites) {
-    const std::vector<GatheredRecord> before = gatherInBatches(gatherer, sites);
+    std::vector<RecordSite> others(sites.begin(), sites.end());
+    for (RecordSite& site : others) {
+        site.seed = pcgHash(site.seed);
+    }
+    const std::vector<GatheredRecord> before = gatherInBatches(gatherer, others);
     for (size_t i = 0; i < sites.size(); ++i) {
         sites[i].contrasts = contrastsNear(before, i);
     }

@@ -32,7 +32,8 @@ void appendSites(const RayScene& rays, const Camera& camera, uint32_t seed, int 
         sites.push_back({.position = s.position,
                          .normal = s.n,
                          .geometric_normal = s.n_g,
-                         .toward_viewer = -ray.direction});
+                         .toward_viewer = -ray.direction,
+                         .seed = pcgHash(static_cast<uint32_t>(sites.size()))});
         ++found;
     }
     if (found < count) {

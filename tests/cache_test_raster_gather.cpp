@@ -8,6 +8,7 @@
 #include "cache/raster_gather.h"
 #include "cache/ray_gather.h"
 #include "test_scenes.h"
+#include "test_sites.h"
 #include "test_stage.h"
 
 namespace sheen {
@@ -20,24 +21,11 @@ constexpr HemisphereParams kKinds[] = {
     {.kind = HemisphereKind::kPlane, .size = 48, .extent = 3.0f},
     {.kind = HemisphereKind::kLarsen, .size = 48, .extent = 3.0f}};
 
-RecordSite siteAt(const vec3& position, const vec3& n, int order = shared::DIFFUSE_ORDER) {
-    return {.position = position,
-            .normal = n,
-            .geometric_normal = n,
-            .toward_viewer = n,
-            .order = order};
-}
-
-// Sites on the walls of the unit room and on the box's top in it.
+// Diffuse and glossy ones in turns.
 std::vector<RecordSite> sitesInRoom(int count) {
-    Random random(1);
-    std::vector<RecordSite> sites;
-    for (int i = 0; i < count; ++i) {
-        const vec3 p = random.point(-0.8f, 0.8f);
-        const vec3 walls[][2] = {{{-1, p.y, p.z}, {1, 0, 0}},
-                                 {{p.x, -1, 0.5f}, {0, 1, 0}},
-                                 {{-0.3f, -0.4f, 0.1f * p.z}, {0, 1, 0}}};
-        sites.push_back(siteAt(walls[i % 3][0], walls[i % 3][1], i % 2 == 0 ? 0 : 4));
+    std::vector<RecordSite> sites = sitesInGlossyRoom(count);
+    for (size_t i = 1; i < sites.size(); i += 2) {
+        sites[i].order = 4;
     }
     return sites;
 }
@@ -60,7 +48,7 @@ TEST(RasterGatherer, TheSameBitsForAnyWorkers) {
     }
 }
 
-TEST(RasterGatherer, AFramesTurnFollowsFromThePlaceAlone) {
+TEST(RasterGatherer, AFramesTurnFollowsFromTheSeedAlone) {
     const Scene scene = glossyRoom();
     std::vector<RecordSite> sites = sitesInRoom(24);
     const std::vector<GatheredRecord> first = gather(scene, sites);
@@ -73,7 +61,7 @@ TEST(RasterGatherer, AFramesTurnFollowsFromThePlaceAlone) {
         EXPECT_EQ(a.tangent, b.tangent) << i;
         EXPECT_NEAR(glm::dot(a.tangent, a.normal), 0.0f, 1e-6f);
         EXPECT_NEAR(glm::length(a.tangent), 1.0f, 1e-6f);
-        // Three normals in turn: the next of the same one lies elsewhere on its wall.
+        // Three normals in turn.
         if (i >= 3) {
             alike += glm::dot(a.tangent, first[i - 3].record.tangent) > 0.999f ? 1 : 0;
         }

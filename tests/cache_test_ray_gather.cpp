@@ -2,6 +2,7 @@
 // on.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -9,33 +10,21 @@
 #include "cache/ray_gather.h"
 #include "core/parallel.h"
 #include "test_scenes.h"
+#include "test_sites.h"
 
 namespace sheen {
 namespace {
 
 constexpr HemisphereParams kHemicube = {.kind = HemisphereKind::kHemicube, .size = 24};
 
-RecordSite siteAt(const vec3& position, const vec3& n, int order = shared::DIFFUSE_ORDER) {
-    return {.position = position,
-            .normal = n,
-            .geometric_normal = n,
-            .toward_viewer = n,
-            .order = order};
-}
-
-// Sites of all classes on the walls of the unit room and on the box's top in it.
-std::vector<RecordSite> sitesInGlossyRoom(int count) {
+// Of all classes and reaches.
+std::vector<RecordSite> mixedSites(int count) {
     constexpr int kOrders[] = {shared::DIFFUSE_ORDER, 3, 6};
     constexpr float kReaches[] = {0.0f, 1.0f, 5.0f, 60.0f};
-    Random random(1);
-    std::vector<RecordSite> sites;
-    for (int i = 0; i < count; ++i) {
-        const vec3 p = random.point(-0.95f, 0.95f);
-        const vec3 walls[][2] = {{{-1, p.y, p.z}, {1, 0, 0}},
-                                 {{p.x, -1, 0.5f}, {0, 1, 0}},
-                                 {{-0.3f, -0.4f, 0.1f * p.z}, {0, 1, 0}}};
-        sites.push_back(siteAt(walls[i % 3][0], walls[i % 3][1], kOrders[(i / 3) % 3]));
-        sites.back().reach = kReaches[i % 4];
+    std::vector<RecordSite> sites = sitesInGlossyRoom(count);
+    for (size_t i = 0; i < sites.size(); ++i) {
+        sites[i].order = kOrders[(i / 3) % 3];
+        sites[i].reach = kReaches[i % 4];
     }
     return sites;
 }
@@ -58,7 +47,7 @@ void expectSame(const std::vector<GatheredRecord>& a, const std::vector<Gathered
 TEST(RayGatherer, TheSameBitsForAnyThreads) {
     const Scene scene = glossyRoom();
     const RayCaster rays(scene);
-    const std::vector<RecordSite> sites = sitesInGlossyRoom(18);
+    const std::vector<RecordSite> sites = mixedSites(18);
     setThreadCount(1);
     const std::vector<GatheredRecord> first =
         RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
@@ -72,31 +61,33 @@ TEST(RayGatherer, TheSameBitsForAnyThreads) {
     setThreadCount(0);
 }
 
-TEST(RayGatherer, OnlyTheNumberGatheredBeforeCounts) {
+TEST(RayGatherer, WhatWasGatheredBeforeDoesNotCount) {
     const Scene scene = glossyRoom();
     const RayCaster rays(scene);
-    const std::vector<RecordSite> sites = sitesInGlossyRoom(10);
+    std::vector<RecordSite> sites = mixedSites(10);
     const std::vector<GatheredRecord> together =
         RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
     const LightCells cells(rays);
     RayGatherer gatherer(rays, cells, kHemicube);
-    const std::span<const RecordSite> all(sites);
-    std::vector<GatheredRecord> parts = gatherer.gather(all.first(4));
     EXPECT_TRUE(gatherer.gather({}).empty());
+    std::reverse(sites.begin(), sites.end());
+    const std::span<const RecordSite> all(sites);
+    std::vector<GatheredRecord> reversed = gatherer.gather(all.first(4));
     for (GatheredRecord& g : gatherer.gather(all.subspan(4))) {
-        parts.push_back(std::move(g));
+        reversed.push_back(std::move(g));
     }
-    expectSame(parts, together);
+    std::reverse(reversed.begin(), reversed.end());
+    expectSame(reversed, together);
 }
 
-TEST(RayGatherer, PlacesDifferFromRecordToRecord) {
+TEST(RayGatherer, PlacesOfRaysDifferFromSeedToSeed) {
     // An edge of light crosses the hemisphere; the other channel is the same everywhere.
     Scene scene;
     const uint32_t dark = addMaterial(scene, diffuseParams(vec3(0.5f), vec3(0, 1, 0)));
     const uint32_t lamp = addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1, 1, 0)));
     addBox(scene, vec3(-1), vec3(1), {dark, dark, dark, lamp, dark, dark}, true);
     const RayCaster rays(scene);
-    const std::vector<RecordSite> sites(8, siteAt(vec3(0.1f, -1, 0.2f), vec3(0, 1, 0)));
+    const std::vector<RecordSite> sites = repeated(8, siteAt(vec3(0.1f, -1, 0.2f), vec3(0, 1, 0)));
     const std::vector<GatheredRecord> g =
         RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
     for (size_t i = 1; i < g.size(); ++i) {
@@ -166,8 +157,8 @@ void expectMean(const Scene& scene, const RecordSite& site, double expected,
     constexpr int kRecords = 200;
     const RayCaster rays(scene);
     double sum = 0.0, squares = 0.0;
-    for (const GatheredRecord& g : RayGatherer(rays, LightCells(rays), kHemicube)
-                                       .gather(std::vector<RecordSite>(kRecords, site))) {
+    for (const GatheredRecord& g :
+         RayGatherer(rays, LightCells(rays), kHemicube).gather(repeated(kRecords, site))) {
         sum += value(g);
         squares += value(g) * value(g);
     }
@@ -282,8 +273,7 @@ TEST(RayGatherer, LooksCloserWhereRecordsNearbySawLightChange) {
         std::vector<Contrast> found;
         for (const GatheredRecord& g :
              RayGatherer(rays, cells, kHemicube)
-                 .gather(std::vector<RecordSite>(
-                     100, siteAt(vec3(0.1f, -1, 0), vec3(0, 1, 0), order)))) {
+                 .gather(repeated(100, siteAt(vec3(0.1f, -1, 0), vec3(0, 1, 0), order)))) {
             for (const Contrast& c : g.contrasts) {
                 EXPECT_TRUE(nearLamp(c.position)) << c.position.x << " " << c.position.z;
                 EXPECT_GE(c.strength, 2.0f);
@@ -296,7 +286,8 @@ TEST(RayGatherer, LooksCloserWhereRecordsNearbySawLightChange) {
             double mean = 0, error = 0;
         };
         const auto gatherWith = [&](const std::vector<Contrast>& contrasts) {
-            std::vector<RecordSite> sites(kRecords, siteAt(vec3(0), vec3(0, 1, 0), order));
+            std::vector<RecordSite> sites =
+                repeated(kRecords, siteAt(vec3(0), vec3(0, 1, 0), order));
             for (RecordSite& site : sites) {
                 site.contrasts = contrasts;
             }
@@ -320,7 +311,7 @@ TEST(RayGatherer, TheFirstRecordsLookTwice) {
     const RayCaster rays(scene);
     const LightCells cells(rays);
     constexpr int kRecords = 2000;
-    std::vector<RecordSite> sites(kRecords, siteAt(vec3(0), vec3(0, 1, 0)));
+    std::vector<RecordSite> sites = repeated(kRecords, siteAt(vec3(0), vec3(0, 1, 0)));
     double means[2], deviations[2];
     for (int first = 0; first < 2; ++first) {
         for (RecordSite& site : sites) {
@@ -505,7 +496,8 @@ TEST(RayGatherer, AMirrorsHighlightIsNeitherMissedNorABlotch) {
             const LightSample l = shared::sampleLight(image, vec3(0));
             const double expected = l.irradiance.x * l.wi.y;
             const RayCaster rays(scene);
-            const std::vector<RecordSite> sites(kRecords, siteAt(vec3(0), vec3(0, 1, 0)));
+            const std::vector<RecordSite> sites =
+                repeated(kRecords, siteAt(vec3(0), vec3(0, 1, 0)));
             double sum = 0.0, least = kInfinity, most = 0.0;
             for (const GatheredRecord& g :
                  RayGatherer(rays, LightCells(rays), kHemicube).gather(sites)) {

@@ -84,6 +84,51 @@ TEST(Stability, FarFromTheOrigin) {
     }
 }
 
+// Of the mean; what is not seen alike by both, on edges, is left out.
+double relativeDifference(const Frame& a, const Frame& b) {
+    double squares = 0.0, mean = 0.0;
+    int compared = 0;
+    for (size_t i = 0; i < a.primitive.pixels.size(); ++i) {
+        if (a.primitive.pixels[i] != kNoPrimitive &&
+            a.primitive.pixels[i] == b.primitive.pixels[i]) {
+            const vec3 d = a.indirect.pixels[i] - b.indirect.pixels[i];
+            squares += glm::dot(d, d) / 3.0;
+            mean +=
+                (a.indirect.pixels[i].x + a.indirect.pixels[i].y + a.indirect.pixels[i].z) / 3.0;
+            ++compared;
+        }
+    }
+    return std::sqrt(squares * compared) / mean;
+}
+
+// Rendered once more, from almost the same place or in other units, a scene changes by at most a
+// third of the image's error; it would by more than all of it if records drew their random numbers
+// one after the other.
+TEST(Stability, NoiseStaysWhereItIs) {
+    constexpr int kImage = 96;
+    const Scene scene = glossyRoom();
+    const RenderResult result = renderFrame(scene, smallRender(kImage, kImage));
+    const Frame& image = result.frame;
+    const double error = result.stats.estimated_rel_rmse;
+    EXPECT_GT(error, 0.005);
+    const auto expectStill = [&](const Scene& again) {
+        const Frame other = renderFrame(again, smallRender(kImage, kImage)).frame;
+        const double d = relativeDifference(image, other);
+        EXPECT_LT(d, error / 3.0);
+        EXPECT_GT(d, 0.0);
+    };
+    const auto moved = [&](float by) {
+        Scene again = scene;
+        again.cameras[0].world_from_camera[3].x += by;
+        return again;
+    };
+    expectStill(moved(2e-6f));
+    constexpr float kDistance = 1.5f;
+    const float pixel = 2.0f * kDistance * std::tan(0.5f * scene.cameras[0].y_fov) / kImage;
+    expectStill(moved(pixel / 80.0f));
+    expectStill(scaled(scene, 1000.0f));
+}
+
 TEST(Stability, NormalsThatCancelBetweenCorners) {
     // The pixel's centre is the middle of the diagonal, whose ends have opposite normals.
     Scene scene;

@@ -10,6 +10,7 @@
 #include "cache/record_tree.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "rays/jitter.h"
 
 namespace sheen {
 namespace {
@@ -37,6 +38,9 @@ constexpr float kEnoughTexels = 32.0f;
 // Records that serve creases reach at most so much farther than the least, by which neighbours'
 // footprints may differ.
 constexpr float kCreaseReach = 1.1f;
+
+// Of a triangle's side, in powers of two: what floats tell apart.
+constexpr float kFinestSeeds = 20.0f;
 
 float largestChange(const Record& r) {
     return luminance(
@@ -494,6 +498,29 @@ Placement Placer::run(bool quiet) {
     return std::move(result_);
 }
 
+// The same for all places of a cell of a triangle's barycentric coordinates, of about two
+// footprints: so it does not change with the scene's scale, and seldom when the camera moves by
+// much less.
+uint32_t seedAt(const Scene& scene, uint32_t triangle, const vec3& position, float footprint) {
+    const uvec3& t = scene.triangles[triangle];
+    const vec3 d = position - scene.positions[t.x];
+    const vec3 edges[2] = {scene.positions[t.y] - scene.positions[t.x],
+                           scene.positions[t.z] - scene.positions[t.x]};
+    const vec3 normal = glm::cross(edges[0], edges[1]);
+    const vec2 barycentric =
+        vec2(glm::dot(glm::cross(d, edges[1]), normal), glm::dot(glm::cross(edges[0], d), normal)) /
+        glm::dot(normal, normal);
+    uint32_t seed = pcgHash(triangle);
+    for (int axis = 0; axis < 2; ++axis) {
+        const float level = std::round(std::log2(glm::length(edges[axis]) / (2.0f * footprint)));
+        const float cells = std::exp2(glm::clamp(level, 0.0f, kFinestSeeds));
+        const float cell = glm::clamp(std::floor(barycentric[axis] * cells), -1.0f, cells);
+        seed = pcgHash(seed + static_cast<uint32_t>(static_cast<int>(cell)));
+        seed = pcgHash(seed + static_cast<uint32_t>(cells));
+    }
+    return seed;
+}
+
 }  // namespace
 
 RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
@@ -505,6 +532,8 @@ RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses
                     .normal = vec3(normal),
                     .geometric_normal = gbuffer.geometricNormalAt(scene, pixel),
                     .toward_viewer = glm::normalize(gbuffer.view.origin - position),
+                    .seed = seedAt(scene, gbuffer.primitive.pixels[i], position,
+                                   gbuffer.position.pixels[i].w * gbuffer.pixel_angle),
                     .order = classes.orders.pixels[i]};
     if (!classes.irradiance_only && !classes.isTooGlossy(pixel)) {
         const vec3 f0(gbuffer.f0.pixels[i]);

@@ -193,6 +193,9 @@ void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses
         addContrasts(placement, site);
     });
     for (int half = 0; half < 2; ++half) {
+        for (RecordSite& site : sites) {
+            site.seed = pcgHash(site.seed);  // other rays than any record's
+        }
         const std::vector<GatheredRecord> gathered = gather(sites);
         parallelFor(static_cast<int>(probes.size()), [&](int k) {
             Probe& probe = probes[static_cast<size_t>(k)];

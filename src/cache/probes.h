@@ -25,8 +25,8 @@ struct Probe {
 std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const PixelClasses& classes,
                                 const Image<vec3>& indirect, int count);
 
-/// Gathers their light, `gather` being asked twice: it must see with other rays each time. The
-/// closest of the records tell where to look closer.
+/// Gathers their light, `gather` being asked twice, for sites of other seeds. The closest of the
+/// records tell where to look closer.
 void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
                   const Placement& placement, const GatherFunction& gather, const RayCaster& rays,
                   const LightCells& cells, const SpecularParams& params, std::span<Probe> probes);

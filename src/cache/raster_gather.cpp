@@ -22,13 +22,8 @@ constexpr float kNearOverLift = 0.08f;
 
 // By how much a record's hemisphere is turned about its normal. In one frame for all, edges of the
 // hemisphere's rows would cross what a room has in the same way for all records of a wall, which
-// then err alike: stripes. The angle is drawn from the record's place, to a part in 2^16 of the
-// scene, and from nothing else. A quarter of a turn is all there is: layouts have four like sides.
-float turnAt(const vec3& position, const Bounds& bounds) {
-    const uvec3 place(glm::max(position - bounds.lower, vec3(0.0f)) *
-                      (0x1p16f / std::max(bounds.size(), 1e-30f)));
-    return 0.5f * kPi * randomPlace(place.x + (place.y << 16u), place.z).x;
-}
+// then err alike: stripes. A quarter of a turn is all there is: layouts have four like sides.
+float turnOf(const RecordSite& site) { return 0.5f * kPi * randomPlace(site.seed, 0).x; }
 
 // The plane of a triangle as seen from `eye` (SeenTexels); zero where it is seen from its edge.
 vec3 planeFrom(const vec3& eye, const TrianglePlane& t) {
@@ -56,7 +51,7 @@ struct RasterGatherer::Drawn {
 
 RasterGatherer::RasterGatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
                                const HemisphereParams& params)
-    : pool_(pool), gpu_(gpu), bounds_(scene.bounds), hemisphere_(makeHemisphere(params)) {
+    : pool_(pool), gpu_(gpu), hemisphere_(makeHemisphere(params)) {
     near_ = kNearOverLift * surfaceOffset(scene);
     lift_ = surfaceOffset(scene);
     const float texel_angle = 2.0f * glm::length(hemisphere_.faces[0].right) /
@@ -152,7 +147,7 @@ void RasterGatherer::see(std::span<const RecordSite> sites) {
 }
 
 mat3 RasterGatherer::frameOf(const RecordSite& site) const {
-    return tangentFrame(site.normal, turnAt(site.position, bounds_));
+    return tangentFrame(site.normal, turnOf(site));
 }
 
 vec3 RasterGatherer::eyeOf(const RecordSite& site) const {
@@ -224,7 +219,7 @@ void RasterGatherer::seenBy(std::span<const RecordSite> sites, size_t index,
     const auto width = static_cast<size_t>(hemisphere_.width);
     const size_t in_batch = index % kBatch;
     const size_t records = std::min(sites.size() - (index - in_batch), size_t{kBatch});
-    seen.turn = turnAt(site.position, bounds_);
+    seen.turn = turnOf(site);
     uint32_t last = 0;  // triangle + 1; neighbouring texels often see the same
     vec3 plane(0.0f);
     for (size_t t = 0; t < seen.light.size(); ++t) {

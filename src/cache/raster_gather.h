@@ -38,7 +38,6 @@ class RasterGatherer {
 
     gl::WorkerPool& pool_;
     const GpuScene& gpu_;
-    Bounds bounds_;
     Hemisphere hemisphere_;
     float near_ = 0;
     float lod_tolerance_ = 0;  // radians

@@ -166,7 +166,7 @@ int raysMore(float contrast) {
 
 // One ray through each texel, at a random place of its own.
 TexelRays raysThroughTexels(const Hemisphere& h, std::span<const WorldFace> faces, const vec3& n_g,
-                            uint32_t index) {
+                            uint32_t seed) {
     TexelRays rays{.n_g = n_g};
     rays.reserve(static_cast<size_t>(h.texelCount()));
     for (size_t f = 0; f < faces.size(); ++f) {
@@ -176,7 +176,7 @@ TexelRays raysThroughTexels(const Hemisphere& h, std::span<const WorldFace> face
                 for (int y = y0; y < std::min(y0 + kBlockHeight, face.height); ++y) {
                     for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
                         const size_t t = texelOf(h, face, x, y);
-                        const vec2 place = randomPlace(index, static_cast<uint32_t>(t));
+                        const vec2 place = randomPlace(seed, static_cast<uint32_t>(t));
                         rays.add(faces[f].direction(x, y, place), h.solid_angles[t], t);
                     }
                 }
@@ -188,7 +188,7 @@ TexelRays raysThroughTexels(const Hemisphere& h, std::span<const WorldFace> face
 
 // More where light changes, spread evenly over the texel from a random place on [Rob18].
 TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const WorldFace> faces,
-                                const vec3& n_g, uint32_t index, std::span<const float> contrasts) {
+                                const vec3& n_g, uint32_t seed, std::span<const float> contrasts) {
     TexelRays rays{.n_g = n_g};
     rays.reserve(2 * contrasts.size());
     for (size_t f = 0; f < faces.size(); ++f) {
@@ -198,7 +198,7 @@ TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const WorldFace> 
                 const size_t t = texelOf(h, face, x, y);
                 const int count = raysMore(contrasts[t]);
                 const float solid_angle = h.solid_angles[t] / static_cast<float>(1 + count);
-                const vec2 start = randomPlace(index, static_cast<uint32_t>(contrasts.size() + t));
+                const vec2 start = randomPlace(seed, static_cast<uint32_t>(contrasts.size() + t));
                 for (int k = 0; k < count; ++k) {
                     const vec2 place = glm::fract(start + static_cast<float>(k) * kSpread);
                     rays.add(faces[f].direction(x, y, place), solid_angle, t);
@@ -314,17 +314,16 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
     const Timer see_timer;
     parallelFor(count, [&](int k) {
         const auto i = static_cast<size_t>(k);
-        const uint32_t index = gathered_ + static_cast<uint32_t>(k);
         const RecordSite& site = sites[i];
         const Hemisphere& h = resolutions[i]->hemisphere;
         std::span<const Contrast> found = site.contrasts;
         Seen looked;
         // The first look twice, and only what they see the second time counts.
         if (site.first) {
-            looked = see(h, site, ~index, found);
+            looked = see(h, site, ~site.seed, found);
             found = looked.contrasts;
         }
-        seen[i] = see(h, site, index, found);
+        seen[i] = see(h, site, site.seed, found);
         seen[i].rays += looked.rays;
     });
     seconds_.see += see_timer.seconds();
@@ -337,7 +336,6 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         results[i].contrasts = std::move(seen[i].contrasts);
     });
     seconds_.project += project_timer.seconds();
-    gathered_ += static_cast<uint32_t>(count);
     for (const Seen& s : seen) {
         rays_cast_ += s.rays;
     }
@@ -347,7 +345,7 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
 // Rays through the middles of texels would all miss, or all meet, a thin thing that lies along a
 // row of them, and a record's neighbours would err the same way. Random places make that noise,
 // which differs from record to record, so that interpolation averages it.
-RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, uint32_t index,
+RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, uint32_t seed,
                                    std::span<const Contrast> found) const {
     const mat3 frame = tangentFrame(site.normal);
     const vec3 eye = rays_.origin(site.position, site.geometric_normal, site.toward_viewer);
@@ -361,7 +359,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
     texels.resize(static_cast<size_t>(h.texelCount()));
     result.texels.planes.resize(texels.size());
 
-    const TexelRays first = raysThroughTexels(h, faces, site.geometric_normal, index);
+    const TexelRays first = raysThroughTexels(h, faces, site.geometric_normal, seed);
     std::vector<vec3> planes(first.of.size());
     const std::vector<vec4> first_seen = first.cast(rays_, eye, cells_, planes.data());
     for (size_t i = 0; i < first.of.size(); ++i) {
@@ -373,7 +371,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
     // What is smaller than a texel deviates, over what a texel brings, as the side.
     const float sharpness = static_cast<float>(h.params.size) / static_cast<float>(params_.size);
     heedContrasts(h, faces, eye, found, sharpness, contrasts);
-    const TexelRays more = raysWhereLightChanges(h, faces, site.geometric_normal, index, contrasts);
+    const TexelRays more = raysWhereLightChanges(h, faces, site.geometric_normal, seed, contrasts);
     const std::vector<vec4> more_seen = more.cast(rays_, eye, cells_);
     addRays(more, more_seen, contrasts, texels);
     result.rays = static_cast<int64_t>(first.of.size() + more.of.size());

@@ -19,16 +19,14 @@ namespace sheen {
 /// where `usual` are asked for: `usual`, also where the reach is not known (0), or an even number.
 int sideForReach(int usual, float reach);
 
-/// Gathers on all threads; the results do not depend on how many there are. Which places the rays
-/// take depends on how many records were gathered before. The caster and the cells must outlive it.
+/// Gathers on all threads; the results depend on the sites alone. The caster and the cells must
+/// outlive it.
 class RayGatherer {
   public:
     /// A hemicube alone: rays go through a face's texels, and a border's stand for what lies
     /// beyond.
-    /// `gathered`: so many records count as gathered before; other numbers, other places of rays.
-    RayGatherer(const RayCaster& rays, const LightCells& cells, const HemisphereParams& params,
-                uint32_t gathered = 0)
-        : rays_(rays), cells_(cells), params_(params), gathered_(gathered) {
+    RayGatherer(const RayCaster& rays, const LightCells& cells, const HemisphereParams& params)
+        : rays_(rays), cells_(cells), params_(params) {
         SHEEN_CHECK(params.kind == HemisphereKind::kHemicube);
     }
 
@@ -51,14 +49,13 @@ class RayGatherer {
         int64_t rays = 0;
     };
     std::vector<const Resolution*> prepare(std::span<const RecordSite> sites);
-    Seen see(const Hemisphere& h, const RecordSite& site, uint32_t index,
+    Seen see(const Hemisphere& h, const RecordSite& site, uint32_t seed,
              std::span<const Contrast> found) const;
 
     const RayCaster& rays_;
     const LightCells& cells_;
     HemisphereParams params_;
     std::map<int, Resolution> resolutions_;  // by texels along the side
-    uint32_t gathered_;
     int64_t rays_cast_ = 0;
     GatherSeconds seconds_;
 };

@@ -1,6 +1,7 @@
 // Records of the cache: where light was gathered, and what was found there.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,9 @@ struct RecordSite {
     vec3 normal{};            ///< shading normal: the hemisphere's pole
     vec3 geometric_normal{};  ///< on the same side
     vec3 toward_viewer{};     ///< unit, to whoever sees the site; zero where no one does
+    /// Of its random numbers. From its place on the surface, never from what was gathered before:
+    /// noise then stays where it is when the camera moves.
+    uint32_t seed = 0;
     int order = shared::DIFFUSE_ORDER;
     SpecularLobe lobe = {};  ///< toward the viewer, where what it sees is wanted
     float reach = 0;         ///< that its record will most likely have, in pixels; 0: not known

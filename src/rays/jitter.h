@@ -7,15 +7,16 @@
 
 namespace sheen {
 
-/// A pseudo-random place in [0, 1)^2 for ray `ray` of whatever has index `of`: two rounds of the
-/// PCG hash [JO20].
+/// The PCG hash [JO20].
+inline uint32_t pcgHash(uint32_t x) {
+    const uint32_t state = x * 747796405u + 2891336453u;
+    const uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+/// A pseudo-random place in [0, 1)^2 for ray `ray` of whatever has index `of`.
 inline vec2 randomPlace(uint32_t of, uint32_t ray) {
-    const auto pcg = [](uint32_t x) {
-        const uint32_t state = x * 747796405u + 2891336453u;
-        const uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-        return (word >> 22u) ^ word;
-    };
-    const uint32_t bits = pcg(ray + pcg(of));
+    const uint32_t bits = pcgHash(ray + pcgHash(of));
     return vec2(static_cast<float>(bits & 0xffffu), static_cast<float>(bits >> 16u)) * 0x1p-16f;
 }
 

@@ -183,7 +183,6 @@ class PassGatherer {
 ErrorEstimate judge(const Scene& scene, const RenderParams& params, const Stage& stage,
                     const Placement& placement, const WeightParams& weight,
                     const HemisphereParams& hemisphere, const Image<vec3>& indirect) {
-    constexpr uint32_t kOtherRays = 1u << 30u;  // than those of any record
     constexpr size_t kRecordsPerProbe = 40;
     constexpr size_t kFewest = 32;
     constexpr size_t kEnough = 400;
@@ -198,7 +197,7 @@ ErrorEstimate judge(const Scene& scene, const RenderParams& params, const Stage&
     if (params.gather_road != GatherRoad::kRays) {
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
-    RayGatherer gatherer(*stage.rays, *stage.cells, seen, kOtherRays);
+    RayGatherer gatherer(*stage.rays, *stage.cells, seen);
     gatherProbes(
         scene, stage.gbuffer, stage.classes, placement,
         [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, *stage.rays,
