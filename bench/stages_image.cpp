@@ -48,7 +48,8 @@ void gbuffer(State& state, Setup& setup, const SceneChoice& choice) {
 void place(State& state, Setup& setup, int order, int count) {
     const MadeUpRecords& records = setup.madeUpRecords(order, count);
     for (auto _ : state) {
-        benchmark::DoNotOptimize(records.place());
+        RecordField field;
+        benchmark::DoNotOptimize(records.place(field));
     }
     const auto placed = static_cast<double>(records.placement.cache.records.size());
     state.counters["order"] = order;
@@ -143,7 +144,8 @@ void composeFrame(State& state, Setup& setup, int order, bool estimate) {
     for (auto _ : state) {
         if (estimate) {
             benchmark::DoNotOptimize(neighbourErrors(gbuffer, made.classes, made.lobes,
-                                                     made.placement, weight, frame.indirect));
+                                                     made.placement.cache, made.field.pixels,
+                                                     weight, frame.indirect));
         } else {
             compose(gbuffer, made.classes, made.lobes, sums, traced, {}, frame);
         }

@@ -165,7 +165,8 @@ MadeUpRecords::MadeUpRecords(const View512& view_, int order, int count)
     double reach = std::sqrt(classes.geometry / static_cast<double>(count));
     for (int i = 0; i < kTries; ++i) {
         params.min_pixels = params.max_pixels = static_cast<float>(reach);
-        placement = place();
+        field = {};
+        placement = place(field);
         const double found = static_cast<double>(placement.cache.records.size()) / count;
         if (std::abs(found - 1.0) < kNear) {
             break;
@@ -174,8 +175,8 @@ MadeUpRecords::MadeUpRecords(const View512& view_, int order, int count)
     }
 }
 
-Placement MadeUpRecords::place() const {
-    return placeRecords(view.scene, view.gbuffer, classes, lobes, params, makeUp, true);
+Placement MadeUpRecords::place(RecordField& field) const {
+    return placeRecords(view.scene, view.gbuffer, classes, lobes, params, makeUp, true, field);
 }
 
 }  // namespace sheen::bench

@@ -54,12 +54,13 @@ struct View512 {
 struct MadeUpRecords {
     MadeUpRecords(const View512& view, int order, int count);
 
-    Placement place() const;
+    Placement place(RecordField& field) const;
 
     const View512& view;
     PixelClasses classes;  ///< every pixel of one order
     PixelLobes lobes;
     PlacementParams params;
+    RecordField field;
     Placement placement;
 };
 

@@ -1,8 +1,8 @@
 // Weights, tangent frames and screen bounds of records.
 #include <gtest/gtest.h>
 
-#include "cache/placement.h"
 #include "cache/record.h"
+#include "cache/served.h"
 #include "test_scenes.h"
 
 namespace sheen {

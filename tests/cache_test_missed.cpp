@@ -82,16 +82,20 @@ TEST(Placement, RecordsKeepWhatTheyMiss) {
             stage.classes.materials.at(x, y) = 7;
         }
     }
-    const Placement placement = place(stage, {}, [](const RecordSite& site, GatheredRecord& g) {
-        EXPECT_TRUE(site.lobe.any());
-        g.lobe_light = vec3(2.0f);
-        g.lobe_texels = 100.0f;
-    });
+    RecordField field;
+    const Placement placement = place(
+        stage, {},
+        [](const RecordSite& site, GatheredRecord& g) {
+            EXPECT_TRUE(site.lobe.any());
+            g.lobe_light = vec3(2.0f);
+            g.lobe_texels = 100.0f;
+        },
+        &field);
     ASSERT_GT(placement.cache.records.size(), 1u);
     for (size_t k = 0; k < placement.cache.records.size(); ++k) {
         const Record& r = placement.cache.records[k];
         EXPECT_NEAR(r.missed_r, 2.0f - r.irradiance.x / kPi, 1e-5f);
-        EXPECT_EQ(static_cast<int>(r.material), placement.pixels[k] % kWidth < kWidth / 2 ? 0 : 7);
+        EXPECT_EQ(static_cast<int>(r.material), field.pixels[k] % kWidth < kWidth / 2 ? 0 : 7);
     }
 }
 

@@ -368,8 +368,9 @@ TEST(Placement, RefusesAGatherThatLosesSites) {
     const GatherFunction none = [](std::span<const RecordSite>) {
         return std::vector<GatheredRecord>();
     };
+    RecordField field;
     EXPECT_THROW(placeRecords(stage.scene, stage.gbuffer, stage.classes,
-                              buildLobes(stage.gbuffer, stage.classes), {}, none, true),
+                              buildLobes(stage.gbuffer, stage.classes), {}, none, true, field),
                  std::logic_error);
 }
 

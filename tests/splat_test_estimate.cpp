@@ -23,10 +23,13 @@ Judged judge(const PlacementParams& params, const std::function<float(const vec3
              const std::function<float(const vec3&)>& gathered,
              const Stage& stage = makeStage(0, 0)) {
     const PixelLobes lobes = buildLobes(stage.gbuffer, stage.classes);
-    const Placement placement =
-        place(stage, params, [&](const RecordSite& site, GatheredRecord& g) {
+    RecordField field;
+    const Placement placement = place(
+        stage, params,
+        [&](const RecordSite& site, GatheredRecord& g) {
             g.record.irradiance = vec3(gathered(site.position));
-        });
+        },
+        &field);
     const SplatBuffer splat =
         splatCpu(stage.gbuffer, stage.classes, lobes, placement.cache, params.servingWeight());
     Image<vec3> image(kWidth, kHeight);
@@ -45,8 +48,8 @@ Judged judge(const PlacementParams& params, const std::function<float(const vec3
         sum += truth;
         ++seen;
     }
-    return {.estimated = neighbourErrors(stage.gbuffer, stage.classes, lobes, placement,
-                                         params.servingWeight(), image)
+    return {.estimated = neighbourErrors(stage.gbuffer, stage.classes, lobes, placement.cache,
+                                         field.pixels, params.servingWeight(), image)
                              .rel_rmse,
             .actual = std::sqrt(squares * seen) / sum};
 }
@@ -143,9 +146,10 @@ TEST(Estimate, NothingIsKnownWhereNoRecordServesAnother) {
     ASSERT_TRUE(stage.gbuffer.seen(kPixel));
     const PixelLobes lobes = buildLobes(stage.gbuffer, stage.classes);
     const PlacementParams params;
-    const Placement placement = place(stage, params);
+    RecordField field;
+    const Placement placement = place(stage, params, kNoChange, &field);
     ASSERT_EQ(placement.cache.records.size(), 1u);
-    EXPECT_EQ(neighbourErrors(stage.gbuffer, stage.classes, lobes, placement,
+    EXPECT_EQ(neighbourErrors(stage.gbuffer, stage.classes, lobes, placement.cache, field.pixels,
                               params.servingWeight(), Image<vec3>(kWidth, kHeight, vec3(1.0f)))
                   .rel_rmse,
               kInfinity);
@@ -156,11 +160,11 @@ TEST(Estimate, NothingSeenIsNoError) {
     for (int& order : stage.classes.orders.pixels) {
         order = kNoOrder;
     }
-    EXPECT_EQ(neighbourErrors(stage.gbuffer, stage.classes,
-                              buildLobes(stage.gbuffer, stage.classes), Placement{},
-                              PlacementParams{}.servingWeight(), Image<vec3>(kWidth, kHeight))
-                  .rel_rmse,
-              0.0);
+    EXPECT_EQ(
+        neighbourErrors(stage.gbuffer, stage.classes, buildLobes(stage.gbuffer, stage.classes), {},
+                        {}, PlacementParams{}.servingWeight(), Image<vec3>(kWidth, kHeight))
+            .rel_rmse,
+        0.0);
 }
 
 }  // namespace

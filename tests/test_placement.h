@@ -6,7 +6,9 @@
 #include <cstring>
 
 #include "cache/lobes.h"
+#include "cache/pixel_light.h"
 #include "cache/placement.h"
+#include "cache/served.h"
 #include "image/frame.h"
 #include "test_scenes.h"
 
@@ -84,9 +86,11 @@ inline GatherFunction makeGather(const Change& change) {
 inline const Change kNoChange = [](const RecordSite&, GatheredRecord&) {};
 
 inline Placement place(const Stage& stage, const PlacementParams& params,
-                       const Change& change = kNoChange) {
+                       const Change& change = kNoChange, RecordField* field = nullptr) {
+    RecordField own;
     return placeRecords(stage.scene, stage.gbuffer, stage.classes,
-                        buildLobes(stage.gbuffer, stage.classes), params, makeGather(change), true);
+                        buildLobes(stage.gbuffer, stage.classes), params, makeGather(change), true,
+                        field != nullptr ? *field : own);
 }
 
 /// What the pixels' weights sum to as records serve, against the limit that placement keeps in

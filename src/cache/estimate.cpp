@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cache/pixel_light.h"
+#include "cache/served.h"
+
 namespace sheen {
 namespace {
 
@@ -16,19 +19,19 @@ constexpr double kMedianWeight = 0.5;
 }  // namespace
 
 NeighbourErrors neighbourErrors(const GBuffer& gbuffer, const PixelClasses& classes,
-                                const PixelLobes& lobes, const Placement& placement,
-                                const WeightParams& weight, const Image<vec3>& indirect) {
+                                const PixelLobes& lobes, const RecordCache& cache,
+                                std::span<const int> record_pixels, const WeightParams& weight,
+                                const Image<vec3>& indirect) {
     NeighbourErrors errors{.squares = Image<float>(gbuffer.width, gbuffer.height)};
-    const std::vector<Record>& records = placement.cache.records;
+    const std::vector<Record>& records = cache.records;
     constexpr int kNone = -1;
     Image<int> hosted(gbuffer.width, gbuffer.height, kNone);
     for (size_t k = 0; k < records.size(); ++k) {
-        hosted.pixels[static_cast<size_t>(placement.pixels[k])] = static_cast<int>(k);
+        hosted.pixels[static_cast<size_t>(record_pixels[k])] = static_cast<int>(k);
     }
     const auto outgoing = [&](size_t k, size_t pixel) {
         return outgoingLuminance(gbuffer, classes, lobes, records[k],
-                                 placement.cache.sh.data() + records[k].sh_first,
-                                 static_cast<int>(pixel));
+                                 cache.sh.data() + records[k].sh_first, static_cast<int>(pixel));
     };
     // Each record as the others predict it.
     std::vector<double> weights(records.size());
@@ -49,7 +52,7 @@ NeighbourErrors neighbourErrors(const GBuffer& gbuffer, const PixelClasses& clas
         if (weights[k] <= 0.0) {
             continue;
         }
-        const double own = outgoing(k, static_cast<size_t>(placement.pixels[k]));
+        const double own = outgoing(k, static_cast<size_t>(record_pixels[k]));
         const double other = predicted[k] / weights[k];
         const double scale = std::max(std::abs(own), std::abs(other));
         if (!std::isfinite(scale)) {

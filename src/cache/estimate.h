@@ -1,7 +1,11 @@
 // What the records say of the image's error: each one is predicted by its neighbours.
 #pragma once
 
-#include "cache/placement.h"
+#include <span>
+
+#include "cache/classes.h"
+#include "cache/lobes.h"
+#include "cache/record.h"
 
 namespace sheen {
 
@@ -24,9 +28,10 @@ inline bool isJudged(size_t pixel, int width) {
 /// At each record's own pixel: what the records around it say without it, against what it found
 /// itself, as a share of the light there; where few records reach, the less known, the more the
 /// median record's. At a pixel such errors add up as independent ones, by the records' weights.
-/// What all records get wrong alike is not seen: see probes.h.
+/// What all records get wrong alike is not seen: see probes.h. `record_pixels`: that they lie at.
 NeighbourErrors neighbourErrors(const GBuffer& gbuffer, const PixelClasses& classes,
-                                const PixelLobes& lobes, const Placement& placement,
-                                const WeightParams& weight, const Image<vec3>& indirect);
+                                const PixelLobes& lobes, const RecordCache& cache,
+                                std::span<const int> record_pixels, const WeightParams& weight,
+                                const Image<vec3>& indirect);
 
 }  // namespace sheen

@@ -3,6 +3,7 @@
 // Based on: [GKB09, 8.4], [WH92] for the gradients.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "sh/sh.h"
 
 namespace sheen {
+
+/// Gathers a span of sites, one result each, in order.
+using GatherFunction = std::function<std::vector<GatheredRecord>(std::span<const RecordSite>)>;
 
 /// Wall-clock time of a gather.
 struct GatherSeconds {

@@ -7,10 +7,11 @@
 #include <utility>
 
 #include "cache/creases.h"
+#include "cache/pixel_light.h"
 #include "cache/record_tree.h"
+#include "cache/served.h"
 #include "core/error.h"
 #include "core/progress.h"
-#include "rays/jitter.h"
 
 namespace sheen {
 namespace {
@@ -39,9 +40,6 @@ constexpr float kEnoughTexels = 32.0f;
 // footprints may differ.
 constexpr float kCreaseReach = 1.1f;
 
-// Of a triangle's side, in powers of two: what floats tell apart.
-constexpr float kFinestSeeds = 20.0f;
-
 float largestChange(const Record& r) {
     return luminance(
         {glm::length(r.translation_r), glm::length(r.translation_g), glm::length(r.translation_b)});
@@ -50,7 +48,8 @@ float largestChange(const Record& r) {
 class Placer {
   public:
     Placer(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-           const PixelLobes& lobes, const PlacementParams& params, const GatherFunction& gather)
+           const PixelLobes& lobes, const PlacementParams& params, const GatherFunction& gather,
+           RecordField& field)
         : scene_(scene),
           gbuffer_(gbuffer),
           classes_(classes),
@@ -58,6 +57,7 @@ class Placer {
           params_(params),
           weight_(params.weight()),
           gather_(gather),
+          field_(field),
           creases_(findCreases(gbuffer)),
           sums_(gbuffer.width, gbuffer.height),
           unserved_(gbuffer.width, gbuffer.height),
@@ -66,8 +66,9 @@ class Placer {
     Placement run(bool quiet);
 
   private:
+    // What becomes of the field's record of the same index.
     struct Placed {
-        GatheredRecord gathered;
+        Record record;
         int pixel = 0;
         float footprint = 0;
         float allowed = 0;   // radius that its light and its neighbours allow, below any bound
@@ -117,16 +118,18 @@ class Placer {
     RecordSite siteOf(const Choice& choice, bool first) const;
     std::vector<Choice> chooseSites(int pixel, int stride) const;
     void place(const std::vector<Choice>& choices, bool first);
-    float allowedRadius(const Placed& placed) const;
+    void add(size_t index);
+    float allowedRadius(const GatheredRecord& g, float footprint) const;
     float servingRadius(const Placed& placed) const;
     float splitSphereRadius(const GatheredRecord& g) const;
     float hessianRadius(const GatheredRecord& g, float image_height) const;
-    void setMissed(GatheredRecord& g, int pixel) const;
-    float predictedOutgoing(const GatheredRecord& g, int pixel) const;
+    void setMissed(size_t placed);
+    float predictedOutgoing(size_t placed, int pixel) const;
     void heedNeighbours(size_t added);
     void limitRadius(size_t placed, float radius);
     void clampNeighbours(size_t added);
     void splat(const Record& record, bool add);
+    void handOver(size_t placed, RecordCache& cache) const;
 
     const Scene& scene_;
     const GBuffer& gbuffer_;
@@ -135,12 +138,12 @@ class Placer {
     const PlacementParams& params_;
     const WeightParams weight_;
     const GatherFunction& gather_;
+    RecordField& field_;
     const Image<uint8_t> creases_;
     Image<uint32_t> sums_;
     Image<uint8_t> unserved_;  // pixels that not even a record of their own serves
     std::vector<Placed> placed_;
     RecordTree tree_;
-    Placement result_;
 };
 
 Placer::Nearest Placer::nearestTo(const vec3& p) const {
@@ -152,7 +155,7 @@ Placer::Nearest Placer::nearestTo(const vec3& p) const {
         return distance2 <= distances.back();
     };
     tree_.visit(p, may_be_nearer, [&](size_t j) {
-        const vec3 d = placed_[j].gathered.record.position - p;
+        const vec3 d = placed_[j].record.position - p;
         std::pair candidate(glm::dot(d, d), j);
         for (size_t k = 0; k < kNearest; ++k) {
             if (candidate < std::pair(distances[k], nearest[k])) {
@@ -172,7 +175,7 @@ RecordSite Placer::siteOf(const Choice& choice, bool first) const {
     site.first = first;
     for (size_t j : choice.nearest) {
         if (j != kNone) {
-            const std::vector<Contrast>& found = placed_[j].gathered.contrasts;
+            const std::vector<Contrast>& found = field_.records[j].contrasts;
             site.contrasts.insert(site.contrasts.end(), found.begin(), found.end());
         }
     }
@@ -182,7 +185,7 @@ RecordSite Placer::siteOf(const Choice& choice, bool first) const {
 // The radius a record at a pixel will most likely have: that of the nearest one placed so far,
 // since neighbours on a surface have similar ones, within bounds.
 float Placer::predictedRadius(int pixel, size_t nearest) const {
-    return std::clamp(nearest == kNone ? kInfinity : placed_[nearest].gathered.record.radius,
+    return std::clamp(nearest == kNone ? kInfinity : placed_[nearest].record.radius,
                       leastRadius(footprint(pixel)), greatestRadius(pixel));
 }
 
@@ -227,33 +230,40 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
     std::vector<GatheredRecord> gathered = gather_(sites);
     SHEEN_CHECK_EQ(gathered.size(), sites.size());
     for (size_t i = 0; i < choices.size(); ++i) {
-        const int pixel = choices[i].pixel;
-        placed_.push_back({std::move(gathered[i]), pixel, footprint(pixel)});
-        Record& record = placed_.back().gathered.record;
-        placed_.back().allowed = allowedRadius(placed_.back());
-        record.radius = std::clamp(placed_.back().allowed, leastRadius(footprint(pixel)),
-                                   greatestRadius(pixel));
-        record.material = static_cast<float>(classes_.materials.pixels[static_cast<size_t>(pixel)]);
-        setMissed(placed_.back().gathered, pixel);
-        placed_.back().outgoing = predictedOutgoing(placed_.back().gathered, pixel);
-        heedNeighbours(placed_.size() - 1);
-        clampNeighbours(placed_.size() - 1);
-        tree_.insert(record.position, record.radius);
-        splat(record, true);
-        // Its own pixel is served, whatever its radius, where numbers are sound: else the scan
-        // would come back for ever.
-        unserved_.pixels[static_cast<size_t>(pixel)] = missed(pixel) ? 1 : 0;
+        field_.records.push_back(std::move(gathered[i]));
+        field_.pixels.push_back(choices[i].pixel);
+        add(field_.records.size() - 1);
     }
 }
 
+// Places the field's next record.
+void Placer::add(size_t index) {
+    const GatheredRecord& g = field_.records[index];
+    const int pixel = field_.pixels[index];
+    placed_.push_back({g.record, pixel, footprint(pixel), allowedRadius(g, footprint(pixel))});
+    Placed& placed = placed_.back();
+    Record& record = placed.record;
+    record.radius =
+        std::clamp(placed.allowed, leastRadius(placed.footprint), greatestRadius(pixel));
+    record.material = static_cast<float>(classes_.materials.pixels[static_cast<size_t>(pixel)]);
+    setMissed(index);
+    placed.outgoing = predictedOutgoing(index, pixel);
+    heedNeighbours(index);
+    clampNeighbours(index);
+    tree_.insert(record.position, record.radius);
+    splat(record, true);
+    // Its own pixel is served, whatever its radius, where numbers are sound: else the scan would
+    // come back for ever.
+    unserved_.pixels[static_cast<size_t>(pixel)] = missed(pixel) ? 1 : 0;
+}
+
 // The radius that the error control asks for.
-float Placer::allowedRadius(const Placed& placed) const {
+float Placer::allowedRadius(const GatheredRecord& g, float footprint) const {
     switch (params_.control) {
         case ErrorControl::kSplitSphere:
-            return splitSphereRadius(placed.gathered);
+            return splitSphereRadius(g);
         case ErrorControl::kHessian:
-            return hessianRadius(placed.gathered,
-                                 placed.footprint * static_cast<float>(gbuffer_.height));
+            return hessianRadius(g, footprint * static_cast<float>(gbuffer_.height));
     }
     throw std::logic_error("unknown error control");
 }
@@ -264,7 +274,7 @@ float Placer::allowedRadius(const Placed& placed) const {
 // half of its light from its neighbours. (Where the least reach is several pixels, they have no
 // records of their own that would be better.)
 float Placer::servingRadius(const Placed& placed) const {
-    const float radius = placed.gathered.record.radius;
+    const float radius = placed.record.radius;
     if (params_.min_pixels > 1.0f) {
         return radius;
     }
@@ -300,25 +310,29 @@ float Placer::hessianRadius(const GatheredRecord& g, float image_height) const {
 
 // What the lobe of the record's own pixel sees more than the record says by its coefficients, or,
 // of the diffuse class, by its irradiance.
-void Placer::setMissed(GatheredRecord& g, int pixel) const {
+void Placer::setMissed(size_t placed) {
+    const GatheredRecord& g = field_.records[placed];
     if (!(g.lobe_texels > 0.0f)) {
         return;
     }
-    const vec3 said = lobeLight(gbuffer_, classes_, lobes_, g.record, g.sh.data(), pixel);
+    const vec3 said =
+        lobeLight(gbuffer_, classes_, lobes_, g.record, g.sh.data(), placed_[placed].pixel);
     const float resolved = glm::smoothstep(kFewTexels, kEnoughTexels, g.lobe_texels);
     const vec3 missed = resolved * (g.lobe_light - said);
-    g.record.missed_r = missed.x;
-    g.record.missed_g = missed.y;
-    g.record.missed_b = missed.z;
+    Record& record = placed_[placed].record;
+    record.missed_r = missed.x;
+    record.missed_g = missed.y;
+    record.missed_b = missed.z;
 }
 
-float Placer::predictedOutgoing(const GatheredRecord& g, int pixel) const {
-    return outgoingLuminance(gbuffer_, classes_, lobes_, g.record, g.sh.data(), pixel);
+float Placer::predictedOutgoing(size_t placed, int pixel) const {
+    return outgoingLuminance(gbuffer_, classes_, lobes_, placed_[placed].record,
+                             field_.records[placed].sh.data(), pixel);
 }
 
 // Shrinks a placed record's radius to `radius`, if that is smaller, and takes its weights along.
 void Placer::limitRadius(size_t placed, float radius) {
-    Record& record = placed_[placed].gathered.record;
+    Record& record = placed_[placed].record;
     placed_[placed].allowed = std::min(placed_[placed].allowed, radius);
     const float limit = std::max(radius, leastRadius(placed_[placed].footprint));
     if (limit < record.radius) {
@@ -339,7 +353,7 @@ void Placer::heedNeighbours(size_t added) {
     }
     const float tolerated = params_.disagreement * params_.accuracy;
     Placed& fresh = placed_[added];
-    Record& record = fresh.gathered.record;
+    Record& record = fresh.record;
     std::vector<size_t> near;
     const float radius = record.radius;
     // Whether they meet where they were placed for, and where they serve.
@@ -357,7 +371,7 @@ void Placer::heedNeighbours(size_t added) {
     std::sort(near.begin(), near.end());  // each shrinks the new record for those after it
     for (size_t j : near) {
         const Placed& other = placed_[j];
-        const Record& neighbour = other.gathered.record;
+        const Record& neighbour = other.record;
         const vec3 d = record.position - neighbour.position;
         const float reach = placed_reach(record.radius, neighbour.radius);
         const float serving = serving_reach(record.radius, neighbour.radius);
@@ -378,10 +392,8 @@ void Placer::heedNeighbours(size_t added) {
                                 : kInfinity;
         };
         if (scale > 0.0f) {
-            const float of_fresh =
-                allowed(predictedOutgoing(fresh.gathered, other.pixel), other.outgoing);
-            const float of_other =
-                allowed(predictedOutgoing(other.gathered, fresh.pixel), fresh.outgoing);
+            const float of_fresh = allowed(predictedOutgoing(added, other.pixel), other.outgoing);
+            const float of_other = allowed(predictedOutgoing(j, fresh.pixel), fresh.outgoing);
             fresh.allowed = std::min(fresh.allowed, of_fresh);
             placed_[j].allowed = std::min(other.allowed, of_other);
             if (meet) {
@@ -400,16 +412,16 @@ void Placer::clampNeighbours(size_t added) {
     if (!params_.neighbour_clamping) {
         return;
     }
-    Record& fresh = placed_[added].gathered.record;
+    Record& fresh = placed_[added].record;
     const float a = params_.accuracy;
     const auto way = [&](size_t j) {
-        return glm::length(fresh.position - placed_[j].gathered.record.position) / a;
+        return glm::length(fresh.position - placed_[j].record.position) / a;
     };
     tree_.visit(
         fresh.position,
         [&](float distance2, float) { return distance2 < a * a * fresh.radius * fresh.radius; },
         [&](size_t j) {
-            fresh.radius = std::min(fresh.radius, placed_[j].gathered.record.radius + way(j));
+            fresh.radius = std::min(fresh.radius, placed_[j].record.radius + way(j));
         });
     fresh.radius = std::max(fresh.radius, leastRadius(placed_[added].footprint));
     tree_.visit(
@@ -432,6 +444,10 @@ void Placer::splat(const Record& record, bool add) {
 
 Placement Placer::run(bool quiet) {
     const int count = gbuffer_.width * gbuffer_.height;
+    const bool anew = field_.records.empty();
+    for (size_t i = 0; i < field_.records.size(); ++i) {
+        add(i);
+    }
     // Clamping a neighbour may uncover pixels behind the scan, so the last grid, all pixels, is
     // scanned until nothing is missed. Every record keeps serving its own pixel, or that counts as
     // unserved, so this ends.
@@ -448,242 +464,72 @@ Placement Placer::run(bool quiet) {
                 if (missed(i)) {
                     progress.advance(std::max(i - passed, 0));
                     passed = std::max(passed, i);
-                    place(chooseSites(i, stride), stride == params_.coarsest_stride);
+                    place(chooseSites(i, stride), anew && stride == params_.coarsest_stride);
                     placed_any = stride == 1;
                 }
             }
         }
     }
+    Placement result;
     for (int i = 0; i < count; ++i) {
-        result_.uncovered += uncovered(i) ? 1 : 0;
+        result.uncovered += uncovered(i) ? 1 : 0;
     }
-    // Bound the gradients against the final radii: within its reach a record may change its value
-    // by no more than a share of it.
-    for (Placed& p : placed_) {
-        Record& r = p.gathered.record;
-        r.radius = servingRadius(p);
-        const float reach = params_.servingWeight().accuracy * r.radius;
-        vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
-        const ShLayout layout = shLayout(r.order);
-        for (int c = 0; c < 3; ++c) {
-            const float length = glm::length(*translation[c]);
-            const float limit = params_.gradient_limit * r.irradiance[c];
-            if (length * reach > limit) {
-                *translation[c] *= limit / (length * reach);
-            }
-            if (r.order == shared::DIFFUSE_ORDER) {
-                continue;
-            }
-            float* first[2];
-            for (int axis = 0; axis < 2; ++axis) {
-                first[axis] = &p.gathered.sh[static_cast<size_t>(
-                    layout.gradientFirst(axis) + c * layout.gradientCoefficients())];
-            }
-            const float value = p.gathered.sh[static_cast<size_t>(c * layout.coefficients())];
-            const float change = std::hypot(*first[0], *first[1]) * reach;
-            const float sh_limit = params_.gradient_limit * std::max(value, 0.0f);
-            const float scale = change > sh_limit ? sh_limit / change : 1.0f;
-            for (int axis = 0; axis < 2; ++axis) {
-                for (int k = 0; k < layout.gradientCoefficients(); ++k) {
-                    first[axis][k] *= scale;
-                }
-            }
-        }
-        r.sh_first = static_cast<int>(result_.cache.sh.size());
-        result_.cache.sh.insert(result_.cache.sh.end(), p.gathered.sh.begin(), p.gathered.sh.end());
-        result_.cache.records.push_back(r);
-        result_.pixels.push_back(p.pixel);
-        result_.contrasts.push_back(std::move(p.gathered.contrasts));
+    for (size_t j = 0; j < placed_.size(); ++j) {
+        handOver(j, result.cache);
     }
-    return std::move(result_);
+    return result;
 }
 
-// The same for all places of a cell of a triangle's barycentric coordinates, of about two
-// footprints: so it does not change with the scene's scale, and seldom when the camera moves by
-// much less.
-uint32_t seedAt(const Scene& scene, uint32_t triangle, const vec3& position, float footprint) {
-    const uvec3& t = scene.triangles[triangle];
-    const vec3 d = position - scene.positions[t.x];
-    const vec3 edges[2] = {scene.positions[t.y] - scene.positions[t.x],
-                           scene.positions[t.z] - scene.positions[t.x]};
-    const vec3 normal = glm::cross(edges[0], edges[1]);
-    const vec2 barycentric =
-        vec2(glm::dot(glm::cross(d, edges[1]), normal), glm::dot(glm::cross(edges[0], d), normal)) /
-        glm::dot(normal, normal);
-    uint32_t seed = pcgHash(triangle);
-    for (int axis = 0; axis < 2; ++axis) {
-        const float level = std::round(std::log2(glm::length(edges[axis]) / (2.0f * footprint)));
-        const float cells = std::exp2(glm::clamp(level, 0.0f, kFinestSeeds));
-        const float cell = glm::clamp(std::floor(barycentric[axis] * cells), -1.0f, cells);
-        seed = pcgHash(seed + static_cast<uint32_t>(static_cast<int>(cell)));
-        seed = pcgHash(seed + static_cast<uint32_t>(cells));
+// Appends a placed record with the radius it serves with, and bounds its gradients against that:
+// within its reach a record may change its value by no more than a share of it.
+void Placer::handOver(size_t placed, RecordCache& cache) const {
+    Record r = placed_[placed].record;
+    r.radius = servingRadius(placed_[placed]);
+    r.sh_first = static_cast<int>(cache.sh.size());
+    const std::vector<float>& found = field_.records[placed].sh;
+    cache.sh.insert(cache.sh.end(), found.begin(), found.end());
+    float* const sh = cache.sh.data() + r.sh_first;
+    const float reach = params_.servingWeight().accuracy * r.radius;
+    vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
+    const ShLayout layout = shLayout(r.order);
+    for (int c = 0; c < 3; ++c) {
+        const float length = glm::length(*translation[c]);
+        const float limit = params_.gradient_limit * r.irradiance[c];
+        if (length * reach > limit) {
+            *translation[c] *= limit / (length * reach);
+        }
+        if (r.order == shared::DIFFUSE_ORDER) {
+            continue;
+        }
+        float* first[2];
+        for (int axis = 0; axis < 2; ++axis) {
+            first[axis] = sh + layout.gradientFirst(axis) + c * layout.gradientCoefficients();
+        }
+        const float value = sh[c * layout.coefficients()];
+        const float change = std::hypot(*first[0], *first[1]) * reach;
+        const float sh_limit = params_.gradient_limit * std::max(value, 0.0f);
+        const float scale = change > sh_limit ? sh_limit / change : 1.0f;
+        for (int axis = 0; axis < 2; ++axis) {
+            for (int k = 0; k < layout.gradientCoefficients(); ++k) {
+                first[axis][k] *= scale;
+            }
+        }
     }
-    return seed;
+    cache.records.push_back(r);
 }
 
 }  // namespace
 
-RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                  int pixel) {
-    const auto i = static_cast<size_t>(pixel);
-    const vec3 position(gbuffer.position.pixels[i]);
-    const vec4& normal = gbuffer.normal.pixels[i];
-    RecordSite site{.position = position,
-                    .normal = vec3(normal),
-                    .geometric_normal = gbuffer.geometricNormalAt(scene, pixel),
-                    .toward_viewer = glm::normalize(gbuffer.view.origin - position),
-                    .seed = seedAt(scene, gbuffer.primitive.pixels[i], position,
-                                   gbuffer.position.pixels[i].w * gbuffer.pixel_angle),
-                    .order = classes.orders.pixels[i]};
-    if (!classes.irradiance_only && !classes.isTooGlossy(pixel)) {
-        const vec3 f0(gbuffer.f0.pixels[i]);
-        site.lobe = {.alpha = shared::alphaFromRoughness(normal.w),
-                     .f0 = (f0.x + f0.y + f0.z) / 3.0f,
-                     .f90 = gbuffer.diffuse.pixels[i].w};
-    }
-    return site;
-}
-
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
                        const PixelLobes& lobes, const PlacementParams& params,
-                       const GatherFunction& gather, bool quiet) {
+                       const GatherFunction& gather, bool quiet, RecordField& field) {
     SHEEN_CHECK(params.accuracy > 0.0f && params.batch >= 1 && params.coarsest_stride >= 1);
     SHEEN_CHECK(params.overlap >= 1.0f);
     // Its own pixel, closer than half of which all is the same, is served.
     SHEEN_CHECK(params.min_pixels > 0.5f * (1.0f + shared::MIN_WEIGHT_SUM));
     SHEEN_CHECK(params.max_pixels >= params.min_pixels);
-    return Placer(scene, gbuffer, classes, lobes, params, gather).run(quiet);
-}
-
-float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
-                        const PixelLobes& lobes, const Record& record, const float* sh, int pixel) {
-    const auto i = static_cast<size_t>(pixel);
-    const vec3 p(gbuffer.position.pixels[i]);
-    const vec3 irradiance = shared::recordIrradiance(record, p, vec3(gbuffer.normal.pixels[i]));
-    const vec3 albedo = specularAlbedo(gbuffer, pixel);
-    if (classes.irradiance_only || classes.isTooGlossy(pixel) || albedo == vec3(0.0f)) {
-        return luminance(irradiance);
-    }
-    vec3 light = lobeLight(gbuffer, classes, lobes, record, sh, pixel);
-    if (static_cast<int>(record.material) == classes.materials.pixels[i]) {
-        light += shared::recordMissed(record);
-    }
-    return luminance(vec3(gbuffer.diffuse.pixels[i]) * irradiance / kPi +
-                     albedo * glm::max(light, vec3(0.0f)));
-}
-
-vec3 lobeLight(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-               const Record& record, const float* sh, int pixel) {
-    const auto i = static_cast<size_t>(pixel);
-    const vec3 p(gbuffer.position.pixels[i]);
-    const int order = classes.orders.pixels[i];
-    if (order == shared::DIFFUSE_ORDER) {
-        return shared::recordIrradiance(record, p, vec3(gbuffer.normal.pixels[i])) / kPi;
-    }
-    const shared::ShVector lobe = lobes.at(pixel, order);
-    return lobes.scale.pixels[i] * convolveRecord(record, sh, lobe.c, order, p) /
-           glm::max(specularAlbedo(gbuffer, pixel), vec3(1e-12f));
-}
-
-PixelRect slabBounds(const View& view, int width, int height, const vec3& center, float radius,
-                     const vec3& normal, float half_height) {
-    // Double precision: where the sphere almost reaches the eye's plane the tangents are small
-    // differences of large numbers.
-    const glm::dvec3 d = glm::dvec3(center) - glm::dvec3(view.origin);
-    const double r = radius;
-    const double z_axis_length = glm::length(glm::dvec3(view.forward));
-    const glm::dvec3 forward = glm::dvec3(view.forward) / z_axis_length;
-    const double z = glm::dot(forward, d);
-    if (z < -r) {
-        return {};
-    }
-    // Per image axis: the two planes through the eye that touch the sphere, [MM13].
-    const auto range = [&](const glm::dvec3& axis, int size, int& low, int& high) {
-        const double scale = glm::length(axis) / z_axis_length;
-        const glm::dvec3 aside = glm::normalize(axis);
-        const double x = glm::dot(aside, d);
-        const double tangent2 = x * x + z * z - r * r;
-        low = 0;
-        high = size;
-        if (z <= 1.0001 * r || tangent2 <= 0.0) {
-            return;  // the sphere reaches behind the eye's plane: no bound on this axis
-        }
-        const double root = r * std::sqrt(tangent2);
-        const double denominator = z * z - r * r;
-        // A plane through the eye, x = s z, has all of the slab on one side where the centre's
-        // distance from it is at least the slab's support along the plane's normal (1, -s): a
-        // disc's and half the height's.
-        const double normal_x = glm::dot(glm::dvec3(normal), aside);
-        const double normal_z = glm::dot(glm::dvec3(normal), forward);
-        const auto outside = [&](double s, double sign) {
-            const double along = normal_x - s * normal_z;
-            const double support = r * std::sqrt(std::max(1.0 + s * s - along * along, 0.0)) +
-                                   half_height * std::abs(along);
-            return sign * (s * z - x) >= support;
-        };
-        // From the sphere's bound toward the centre, as long as the slab stays outside.
-        const auto tightened = [&](double bound, double sign) {
-            constexpr int kSteps = 5;
-            double inner = x / z;
-            for (int i = 0; i < kSteps && half_height < radius; ++i) {
-                const double middle = 0.5 * (inner + bound);
-                (outside(middle, sign) ? bound : inner) = middle;
-            }
-            return bound / scale;
-        };
-        const double s0 = tightened((x * z - root) / denominator, -1.0);
-        const double s1 = tightened((x * z + root) / denominator, 1.0);
-        const auto pixel = [size](double s) {
-            return std::clamp((0.5 * s + 0.5) * size, -1.0, size + 1.0);
-        };
-        // A pixel counts where its centre may lie inside; one more on each side for rounding.
-        low = std::clamp(static_cast<int>(std::floor(pixel(s0) - 0.5)), 0, size);
-        high = std::clamp(static_cast<int>(std::ceil(pixel(s1) + 0.5)), 0, size);
-    };
-    PixelRect rect;
-    range(view.right, width, rect.x0, rect.x1);
-    range(view.up, height, rect.y0, rect.y1);
-    if (rect.x0 >= rect.x1 || rect.y0 >= rect.y1) {
-        return {};
-    }
-    return rect;
-}
-
-// recordWeight() is above 0 only where |d| / R + sqrt(k_n t) < a and |d.(n + n_k)| / 2 <= c a R,
-// with t = 1 - n.n_k = |n - n_k|^2 / 2. Of d.n_k = d.(n + n_k) / 2 - d.(n - n_k) / 2 the second
-// part is at most |d| sqrt(t / 2) < |d| (a - |d| / R) / sqrt(2 k_n), which is greatest in the
-// middle of the reach.
-PixelRect servedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight) {
-    const float reach = weight.accuracy * record.radius;
-    const float tilted = weight.accuracy * reach / (4.0f * std::sqrt(2.0f * weight.normal_weight));
-    return slabBounds(gbuffer.view, gbuffer.width, gbuffer.height, record.position, reach,
-                      record.normal, weight.slab * reach + tilted);
-}
-
-PixelRect reachedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight) {
-    constexpr float kRounding = 1e-5f;  // of another compiler's recordWeight()
-    const PixelRect served = servedBounds(gbuffer, record, weight);
-    const float reach = (1.0f + kRounding) * weight.accuracy * record.radius;
-    const auto reached = [&](int x, int y) {
-        const vec3 d = vec3(gbuffer.position.at(x, y)) - record.position;
-        return glm::dot(d, d) < reach * reach && gbuffer.seen(y * gbuffer.width + x);
-    };
-    PixelRect rect{served.x1, served.y1, served.x0, served.y0};
-    for (int y = served.y0; y < served.y1; ++y) {
-        int first = served.x0;
-        while (first < served.x1 && !reached(first, y)) {
-            ++first;
-        }
-        if (first == served.x1) {
-            continue;
-        }
-        int end = served.x1;
-        while (end > rect.x1 && !reached(end - 1, y)) {
-            --end;
-        }
-        rect = {std::min(rect.x0, first), std::min(rect.y0, y), std::max(rect.x1, end), y + 1};
-    }
-    return rect.x0 < rect.x1 ? rect : PixelRect{};
+    SHEEN_CHECK_EQ(field.records.size(), field.pixels.size());
+    return Placer(scene, gbuffer, classes, lobes, params, gather, field).run(quiet);
 }
 
 }  // namespace sheen

@@ -2,8 +2,7 @@
 // Based on: [GKB09, algorithm 5], [KBPZ06] for neighbour clamping, [WH92], [War94].
 #pragma once
 
-#include <functional>
-#include <span>
+#include <vector>
 
 #include "cache/classes.h"
 #include "cache/gather.h"
@@ -49,92 +48,26 @@ struct PlacementParams {
     }
 };
 
-/// Gathers a span of sites, one result each, in order.
-using GatherFunction = std::function<std::vector<GatheredRecord>(std::span<const RecordSite>)>;
+/// All that was gathered for a view. It outlives passes: how far its records reach, and so by how
+/// much their gradients may change what they say, is each pass's own.
+struct RecordField {
+    std::vector<GatheredRecord> records;  ///< as gathered
+    std::vector<int> pixels;              ///< that they lie at
+};
 
 struct Placement {
-    RecordCache cache;
-    std::vector<int> pixels;                       ///< that the records lie at
-    std::vector<std::vector<Contrast>> contrasts;  ///< that each record found
+    RecordCache cache;  ///< the field's records, in order, as they are to serve
     int uncovered = 0;  ///< pixels with geometry that no record serves: 0 where numbers are sound
 };
 
-/// Where a pixel's light is to be gathered; of the records around it nothing is known yet.
-RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                  int pixel);
-
-/// Scans the image and gathers records where pixels are not served yet, until all are: first on a
+/// Places the records of the field, then scans the image and gathers more, which it adds to the
+/// field, where pixels are not served yet, until all are: first on a
 /// coarse grid, then on finer ones, row by row. Sites are chosen `batch` at a time, by predicted
 /// radii, and gathered together, so that the gather can run in parallel; the batch is part of the
 /// parameters and not of the machine, so the records never depend on the number of threads.
 /// A batch of 1 and a stride of 1 is the chapter's linear scan, [GKB09, algorithm 5].
 Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
                        const PixelLobes& lobes, const PlacementParams& params,
-                       const GatherFunction& gather, bool quiet);
-
-/// Luminance that a pixel sends to the camera by what a record predicts there, by its lobe and
-/// reflectance; of the diffuse class the irradiance, since the reflectance cancels in comparisons.
-/// `sh`: the record's coefficients.
-float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
-                        const PixelLobes& lobes, const Record& record, const float* sh, int pixel);
-
-/// The mean of the light that a pixel's lobe sees, by a record's coefficients or, of the diffuse
-/// class, by its irradiance; what it missed at its own pixel not added.
-vec3 lobeLight(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-               const Record& record, const float* sh, int pixel);
-
-/// Rectangle of pixels [x0, x1) x [y0, y1).
-struct PixelRect {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-};
-/// Bounds in the image, conservatively, what of a sphere lies within half_height of the plane
-/// through its centre with that unit normal; the whole image when the sphere comes near the camera;
-/// empty when it lies behind.
-PixelRect slabBounds(const View& view, int width, int height, const vec3& center, float radius,
-                     const vec3& normal, float half_height);
-
-/// The same for the region a record serves: nowhere else is its recordWeight() above 0.
-PixelRect servedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight);
-
-/// The least part of these bounds that holds the pixels whose points lie within the record's reach:
-/// on flat surfaces little more than it serves, where the above must allow for any surface. Looks
-/// at pixels, which pays where a pixel is to cost more than a look.
-PixelRect reachedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight);
-
-/// Whether a record of `record_order` serves pixels of `pixel_order`: its own class or a lower one.
-inline bool serves(int record_order, int pixel_order) {
-    return pixel_order != kNoOrder && record_order >= pixel_order;
-}
-
-/// Calls visit(pixel, weight) for the pixels that a record serves, row by row, of those that
-/// wanted(pixel).
-template <typename Wanted, typename Visit>
-void forServed(const GBuffer& gbuffer, const PixelClasses& classes, const Record& k,
-               const WeightParams& weight, const Wanted& wanted, const Visit& visit) {
-    const PixelRect rect = servedBounds(gbuffer, k, weight);
-    for (int y = rect.y0; y < rect.y1; ++y) {
-        for (int x = rect.x0; x < rect.x1; ++x) {
-            const auto pixel = static_cast<size_t>(y * gbuffer.width + x);
-            if (!serves(k.order, classes.orders.pixels[pixel]) || !wanted(pixel)) {
-                continue;
-            }
-            const vec4& p = gbuffer.position.pixels[pixel];
-            const float w =
-                shared::recordWeight(weight, k.position, k.normal, k.radius, vec3(p),
-                                     vec3(gbuffer.normal.pixels[pixel]), p.w * gbuffer.pixel_angle);
-            if (w > 0.0f) {
-                visit(pixel, w);
-            }
-        }
-    }
-}
-
-/// The same for all pixels that it serves.
-template <typename Visit>
-void forServed(const GBuffer& gbuffer, const PixelClasses& classes, const Record& k,
-               const WeightParams& weight, const Visit& visit) {
-    forServed(
-        gbuffer, classes, k, weight, [](size_t) { return true; }, visit);
-}
+                       const GatherFunction& gather, bool quiet, RecordField& field);
 
 }  // namespace sheen

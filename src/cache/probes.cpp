@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "cache/pixel_light.h"
 #include "core/parallel.h"
 #include "rays/jitter.h"
 
@@ -75,11 +76,11 @@ void chooseFrom(std::vector<Candidate>& candidates, size_t count, std::vector<Pr
     }
 }
 
-void addContrasts(const Placement& placement, RecordSite& site) {
+void addContrasts(const RecordField& field, RecordSite& site) {
     std::array<std::pair<float, size_t>, kNearest> nearest;
     nearest.fill({kInfinity, 0});
-    for (size_t k = 0; k < placement.cache.records.size(); ++k) {
-        const vec3 d = placement.cache.records[k].position - site.position;
+    for (size_t k = 0; k < field.records.size(); ++k) {
+        const vec3 d = field.records[k].record.position - site.position;
         const std::pair candidate(glm::dot(d, d), k);
         if (candidate < nearest.back()) {
             nearest.back() = candidate;
@@ -88,7 +89,7 @@ void addContrasts(const Placement& placement, RecordSite& site) {
     }
     for (const auto& [distance2, k] : nearest) {
         if (distance2 < kInfinity) {
-            const std::vector<Contrast>& found = placement.contrasts[k];
+            const std::vector<Contrast>& found = field.records[k].contrasts;
             site.contrasts.insert(site.contrasts.end(), found.begin(), found.end());
         }
     }
@@ -183,14 +184,14 @@ std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const PixelCl
 }
 
 void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                  const Placement& placement, const GatherFunction& gather, const RayCaster& rays,
+                  const RecordField& field, const GatherFunction& gather, const RayCaster& rays,
                   const LightCells& cells, const SpecularParams& params, std::span<Probe> probes) {
     std::vector<RecordSite> sites(probes.size());
     parallelFor(static_cast<int>(probes.size()), [&](int k) {
         RecordSite& site = sites[static_cast<size_t>(k)];
         site = siteAt(scene, gbuffer, classes, probes[static_cast<size_t>(k)].pixel);
         site.order = shared::DIFFUSE_ORDER;  // its own light is wanted, not what pixels around see
-        addContrasts(placement, site);
+        addContrasts(field, site);
     });
     for (int half = 0; half < 2; ++half) {
         for (RecordSite& site : sites) {

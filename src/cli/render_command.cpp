@@ -128,6 +128,15 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                 ->excludes(accuracy)
                 ->default_str(""),
             cached);
+    limited(app.add_option("--time-limit", p.time_limit,
+                           "radiance, irradiance: render again at finer accuracies as long as "
+                           "that fits into so many seconds of wall time, loading and writing "
+                           "included, 0.1..86400; the image then depends on the machine")
+                ->check(numberIn(0.1, 86400))
+                ->excludes(accuracy)
+                ->excludes("--target-error")
+                ->default_str(""),
+            cached);
     limited(app.add_option("--sh-order", o.sh_order,
                            "radiance: order of the spherical harmonics, 2..10, or auto: by "
                            "material"),
@@ -181,6 +190,9 @@ void addProgramOptions(CLI::App& app, RenderOptions& o) {
         ->type_name("FILE")
         ->check(fileName());
 }
+
+// Of a time limit: what writing may take, and ending.
+constexpr double kWriteShare = 0.03;
 
 bool tracesPaths(Method method) {
     return method == Method::kReference || method == Method::kDenoised;
@@ -318,7 +330,7 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
         } else {
             fmt::print("estimate  none: no indirect light is seen\n");
         }
-        if (o.params.target_error > 0.0) {
+        if (o.params.target_error > 0.0 || o.params.time_limit > 0.0) {
             fmt::print("accuracy  {:.3g}, found in {} passes\n", stats.accuracy, stats.passes);
         }
         fmt::print(
@@ -372,6 +384,12 @@ ExitCode runRender(RenderOptions& o) {
     o.params.gather_road = *kGathers.at(o.gather).road;
     checkOutputs({{"-o", o.output}, {"--json", o.json}}, scene.files);
 
+    const double limit = o.params.time_limit;
+    if (limit > 0.0) {
+        // Above 0, which would be no limit.
+        constexpr double kLeast = 1e-3;
+        o.params.time_limit = std::max(limit - total.seconds() - kWriteShare * limit, kLeast);
+    }
     RenderResult result = renderFrame(scene, o.params);
     const Timer write;
     writeFrame(o, kind, result.frame);
@@ -391,6 +409,10 @@ ExitCode runRender(RenderOptions& o) {
             "--target-error {}: the estimate's upper end stays at {:.3g} and {}",
             o.params.target_error, result.stats.estimate_high,
             finest ? "there are no finer records" : "finer records would not lower it by much"));
+    }
+    if (limit > 0.0 && result.stats.seconds.total > limit) {
+        warn(fmt::format("--time-limit {}: the image took {:.3g} s, at accuracy {:.3g}", limit,
+                         result.stats.seconds.total, result.stats.accuracy));
     }
     writeJson(o.json, statsJson(o, result.stats));
     if (wantsText(o.json)) {

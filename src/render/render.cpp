@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "baselines/denoise.h"
 #include "baselines/irradiance_cache.h"
-#include "cache/classes.h"
-#include "cache/direct_rays.h"
 #include "cache/estimate.h"
 #include "cache/placement.h"
 #include "cache/probes.h"
@@ -17,8 +16,7 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "gl/objects.h"
-#include "raster/gbuffer.h"
-#include "raster/gpu_scene.h"
+#include "render/session.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -101,71 +99,14 @@ void dropTargets() {
     gl::glFinish();
 }
 
-// What does not depend on the records.
-struct Stage {
-    gl::WorkerPool pool;
-    GpuScene gpu;
-    GBuffer gbuffer;
-    PixelClasses classes;
-    PixelLobes lobes;
-    std::optional<RayCaster> rays;
-    std::optional<LightCells> cells;
-    Image<SpecularSeen> specular;  // what pixels see by rays of their own
-
-    Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds);
-    ~Stage() {
-        pool.release([this](int worker) {
-            if (worker == 0) {
-                gpu = {};
-            }
-        });
-    }
-};
-
-// scene -> rays -> G-buffer -> classes -> rays where the cache cannot follow. Direct light comes
-// from rays where records use rays, else from shadow maps.
-Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& seconds)
-    // Only the raster gather draws with more than one context.
-    : pool(params.gather_road == GatherRoad::kRays ? 1 : threadCount(), threadCount()) {
-    const bool by_rays = params.gather_road == GatherRoad::kRays;
-    const Timer rays_timer;
-    rays.emplace(scene);
-    seconds.gather = rays_timer.seconds();
-
-    const Timer gbuffer_timer;
-    gbuffer = renderGBuffer(*rays, findCamera(scene, params.camera), params.width, params.height);
-    classes = classifyPixels(scene, gbuffer, params.sh_order, params.method == Method::kIrradiance);
-    lobes = buildLobes(gbuffer, classes);
-    checkSplat(pool, lobes);
-    seconds.gbuffer = gbuffer_timer.seconds();
-
-    const Timer shadow_timer;
-    if (by_rays) {
-        gbuffer.direct = traceDirect(*rays, gbuffer);
-    } else {
-        pool.runOnFirst([&] { gpu = uploadScene(scene); });
-        renderShadowMaps(pool, scene, gpu);
-        lightGBuffer(pool, gpu, gbuffer);
-    }
-    seconds.shadow = shadow_timer.seconds();
-
-    const Timer gather_timer;
-    cells.emplace(*rays);
-    if (classes.anyByRays()) {
-        specular = traceSpecular(*rays, &*cells, gbuffer, classes, params.specular);
-    }
-    seconds.gather += gather_timer.seconds();
-}
-
 // A gatherer of either kind, for as long as a pass lasts.
 class PassGatherer {
   public:
-    PassGatherer(const Scene& scene, Stage& stage, const RenderParams& params,
-                 const HemisphereParams& hemisphere) {
-        if (params.gather_road == GatherRoad::kRays) {
-            rays_.emplace(*stage.rays, *stage.cells, hemisphere);
+    PassGatherer(SceneState& state, const HemisphereParams& hemisphere) {
+        if (state.road == GatherRoad::kRays) {
+            rays_.emplace(state.rays, state.cells, hemisphere);
         } else {
-            raster_.emplace(stage.pool, scene, stage.gpu, hemisphere);
+            raster_.emplace(state.pool, state.scene, state.gpu, hemisphere);
         }
     }
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) {
@@ -180,29 +121,28 @@ class PassGatherer {
 
 // How wrong the image is: by the records, and by probes, which cast rays whatever road the records
 // took. Probes cost a twentieth of the records, up to what is enough.
-ErrorEstimate judge(const Scene& scene, const RenderParams& params, const Stage& stage,
-                    const Placement& placement, const WeightParams& weight,
+ErrorEstimate judge(const SceneState& state, const RenderParams& params, const ViewState& view,
+                    const RecordCache& cache, const WeightParams& weight,
                     const HemisphereParams& hemisphere, const Image<vec3>& indirect) {
     constexpr size_t kRecordsPerProbe = 40;
     constexpr size_t kFewest = 32;
     constexpr size_t kEnough = 400;
-    const NeighbourErrors errors =
-        neighbourErrors(stage.gbuffer, stage.classes, stage.lobes, placement, weight, indirect);
-    const size_t records = placement.cache.records.size();
-    std::vector<Probe> probes =
-        chooseProbes(errors, stage.classes, indirect,
-                     static_cast<int>(std::clamp(records / kRecordsPerProbe, kFewest, kEnough)));
+    const NeighbourErrors errors = neighbourErrors(view.gbuffer, view.classes, view.lobes, cache,
+                                                   view.field.pixels, weight, indirect);
+    std::vector<Probe> probes = chooseProbes(
+        errors, view.classes, indirect,
+        static_cast<int>(std::clamp(cache.records.size() / kRecordsPerProbe, kFewest, kEnough)));
     HemisphereParams seen = hemisphere;
     seen.kind = HemisphereKind::kHemicube;
-    if (params.gather_road != GatherRoad::kRays) {
+    if (state.road != GatherRoad::kRays) {
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
-    RayGatherer gatherer(*stage.rays, *stage.cells, seen);
+    RayGatherer gatherer(state.rays, state.cells, seen);
     gatherProbes(
-        scene, stage.gbuffer, stage.classes, placement,
-        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, *stage.rays,
-        *stage.cells, params.specular, probes);
-    return estimateError(errors, probes, stage.gbuffer, stage.classes, indirect);
+        state.scene, view.gbuffer, view.classes, view.field,
+        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, state.rays,
+        state.cells, params.specular, probes);
+    return estimateError(errors, probes, view.gbuffer, view.classes, indirect);
 }
 
 // Along a crease each pixel gets a record of its own, however coarse the others are, until records
@@ -211,67 +151,84 @@ float leastReach(float accuracy) {
     return std::max(PlacementParams{}.min_pixels, std::sqrt(accuracy));
 }
 
-// placement, which gathers and projects -> splat -> compose.
-void renderPass(const Scene& scene, const RenderParams& params, float accuracy, Stage& stage,
+struct OutOfTime {};
+
+// What decides what a pass renders: its accuracy, and when it is given up.
+struct Pass {
+    float accuracy = 0;
+    double seconds = kInfinity;  // for gathering; OutOfTime is thrown where that is not enough
+};
+
+// placement, which gathers and projects -> splat -> compose. `result` changes only when all is
+// done.
+void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
                 RenderResult& result) {
-    StageSeconds& seconds = result.stats.seconds;
     const bool irradiance_only = params.method == Method::kIrradiance;
     PlacementParams how = params.placement;
-    how.accuracy = accuracy;
+    how.accuracy = pass.accuracy;
     if (how.min_pixels == 0.0f) {
-        how.min_pixels = leastReach(accuracy);
+        how.min_pixels = leastReach(pass.accuracy);
     }
     HemisphereParams hemisphere = params.gather;
     if (hemisphere.size == 0) {
-        hemisphere.size = gatherSize(params.gather_road, accuracy, hemisphere.kind);
+        hemisphere.size = gatherSize(state.road, pass.accuracy, hemisphere.kind);
     }
     if (hemisphere.extent == 0.0f) {
         hemisphere.extent = gatherExtent(hemisphere.kind);
     }
 
-    PassGatherer gatherer(scene, stage, params, hemisphere);
+    RenderStats& stats = result.stats;
+    StageSeconds& seconds = stats.seconds;
+    PassGatherer gatherer(state, hemisphere);
     const Timer timer;
-    const Placement placement = placeRecords(
-        scene, stage.gbuffer, stage.classes, stage.lobes, how,
-        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, params.quiet);
-    const GatherSeconds gathered = gatherer.seconds();
-    seconds.gather += gathered.see;
-    seconds.project += gathered.project;
-    seconds.placement += timer.seconds() - gathered.see - gathered.project;
+    const auto account = [&] {
+        const GatherSeconds gathered = gatherer.seconds();
+        seconds.gather += gathered.see;
+        seconds.project += gathered.project;
+        seconds.placement += timer.seconds() - gathered.see - gathered.project;
+    };
+    const auto gather = [&](std::span<const RecordSite> sites) {
+        if (timer.seconds() > pass.seconds) {
+            account();
+            throw OutOfTime{};
+        }
+        return gatherer.gather(sites);
+    };
+    const Placement placement = placeRecords(state.scene, view.gbuffer, view.classes, view.lobes,
+                                             how, gather, params.quiet, view.field);
+    account();
 
     const Timer splat_timer;
-    SplatBuffer splat = splatGpu(stage.pool, stage.gbuffer, stage.classes, stage.lobes,
+    SplatBuffer splat = splatGpu(state.pool, view.gbuffer, view.classes, view.lobes,
                                  placement.cache, how.servingWeight());
-    stage.pool.runOnFirst(dropTargets);
+    state.pool.runOnFirst(dropTargets);
     seconds.splat += splat_timer.seconds();
 
     const Timer compose_timer;
     Image<vec3> specular;  // of pixels that rays see; none in many scenes
-    if (!stage.specular.pixels.empty()) {
-        specular =
-            reflectSpecular(stage.gbuffer, stage.classes, stage.specular,
-                            cachedSpecular(stage.gbuffer, stage.classes, stage.lobes, splat));
+    if (!view.specular.pixels.empty()) {
+        specular = reflectSpecular(view.gbuffer, view.classes, view.specular,
+                                   cachedSpecular(view.gbuffer, view.classes, view.lobes, splat));
     }
     const ComposeCounts counts =
-        compose(stage.gbuffer, stage.classes, stage.lobes, splat, specular,
+        compose(view.gbuffer, view.classes, view.lobes, splat, specular,
                 {.irradiance_only = irradiance_only, .geometry = params.all_layers}, result.frame);
     splat = {};
     specular = {};
     const ErrorEstimate estimate =
-        judge(scene, params, stage, placement, how.servingWeight(), hemisphere,
+        judge(state, params, view, placement.cache, how.servingWeight(), hemisphere,
               irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
     if (params.all_layers) {
         result.frame.records =
-            countRecords(stage.gbuffer, stage.classes, placement.cache, how.servingWeight());
+            countRecords(view.gbuffer, view.classes, placement.cache, how.servingWeight());
     }
     seconds.compose += compose_timer.seconds();
 
-    RenderStats& stats = result.stats;
     stats.records = static_cast<int>(placement.cache.records.size());
     stats.estimated_rel_rmse = estimate.rel_rmse;
     stats.estimate_low = estimate.low;
     stats.estimate_high = estimate.high;
-    stats.accuracy = accuracy;
+    stats.accuracy = pass.accuracy;
     stats.gather_size = hemisphere.size;
     stats.passes += 1;
     stats.pixels_uncovered = placement.uncovered;
@@ -280,7 +237,7 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
 }
 
 // Renders at finer and finer accuracies, until the estimate is at most the target or falls no more.
-void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage,
+void renderToTarget(const RenderParams& params, SceneState& state, ViewState& view,
                     RenderResult& result) {
     constexpr float kFirst = 1.0f;
     // The error falls like this power of the accuracy, until what records do not cause is left:
@@ -291,7 +248,7 @@ void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage
     constexpr double kMargin = 0.85;     // a pass that just misses is lost
     double first_estimate = 0.0;
     for (float accuracy = kFirst;;) {
-        renderPass(scene, params, accuracy, stage, result);
+        renderPass(params, {.accuracy = accuracy}, state, view, result);
         const double estimate = result.stats.estimate_high;
         first_estimate = accuracy == kFirst ? estimate : first_estimate;
         const bool falls = accuracy == kFirst ||
@@ -305,22 +262,59 @@ void renderToTarget(const Scene& scene, const RenderParams& params, Stage& stage
     }
 }
 
-RenderResult renderByCache(const Scene& scene, const RenderParams& params) {
+// Renders at finer and finer accuracies, as long as another pass is expected to end in time; one
+// that does not is given up.
+void renderInTime(const RenderParams& params, const Timer& timer, SceneState& state,
+                  ViewState& view, RenderResult& result) {
+    constexpr float kFirst = 2.0f;
+    constexpr double kStep = 1.0 / 4.0;   // farther ahead little is known
+    constexpr double kWorthwhile = 0.85;  // a smaller gain in accuracy does not show
+    constexpr double kMargin = 0.85;      // of the time there is
+    // The number of records, and the time of a pass, go with these powers of one over the accuracy
+    // (docs/decisions.md).
+    constexpr double kRecordsPower = 1.3;
+    constexpr double kTimePower = 1.7;
+    const StageSeconds& seconds = result.stats.seconds;
+    for (Pass pass{.accuracy = kFirst};;) {
+        const Timer pass_timer;
+        const double before = seconds.splat + seconds.compose;
+        try {
+            renderPass(params, pass, state, view, result);
+        } catch (const OutOfTime&) {
+            return;
+        }
+        const double afterwards = seconds.splat + seconds.compose - before;
+        const double left = params.time_limit - timer.seconds();
+        const double factor =
+            std::max(std::pow(pass_timer.seconds() / (kMargin * left), 1.0 / kTimePower), kStep);
+        if (!(left > 0.0 && factor < kWorthwhile) || pass.accuracy <= kFinestAccuracy) {
+            return;
+        }
+        pass.accuracy = std::max(pass.accuracy * static_cast<float>(factor), kFinestAccuracy);
+        pass.seconds = left - afterwards * std::pow(factor, -kRecordsPower);
+    }
+}
+
+RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
+                           const RenderParams& params, const Timer& timer) {
     RenderResult result;
     RenderStats& stats = result.stats;
-    Stage stage(scene, params, stats.seconds);
+    stats.seconds = made_in;
+    ViewState view(state, params, stats.seconds);
     if (params.target_error > 0.0) {
-        renderToTarget(scene, params, stage, result);
+        renderToTarget(params, state, view, result);
+    } else if (params.time_limit > 0.0) {
+        renderInTime(params, timer, state, view, result);
     } else {
-        renderPass(scene, params, params.placement.accuracy, stage, result);
+        renderPass(params, {.accuracy = params.placement.accuracy}, state, view, result);
     }
     countPixels(result);
-    stats.gl_renderer = stage.pool.renderer();
-    const double geometry = std::max(stage.classes.geometry, 1);
-    stats.diffuse_share = stage.classes.diffuse / geometry;
-    stats.corrected_share = stage.classes.corrected / geometry;
-    stats.too_glossy_share = stage.classes.too_glossy / geometry;
-    stats.sh_order = nameOrders(scene, stage.classes.material_orders);
+    stats.gl_renderer = state.pool.renderer();
+    const double geometry = std::max(view.classes.geometry, 1);
+    stats.diffuse_share = view.classes.diffuse / geometry;
+    stats.corrected_share = view.classes.corrected / geometry;
+    stats.too_glossy_share = view.classes.too_glossy / geometry;
+    stats.sh_order = nameOrders(state.scene, view.classes.material_orders);
     return result;
 }
 
@@ -362,19 +356,34 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
 
 }  // namespace
 
-RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
-    checkRenderMemory(scene, params);
+Session::Session(const Scene& scene) : scene_(scene) {}
+Session::~Session() = default;
+
+RenderResult Session::render(const RenderParams& params) {
+    const Timer timer;
+    checkRenderMemory(scene_, params);
     switch (params.method) {
         case Method::kReference:
         case Method::kDenoised:
-            return renderByPaths(scene, params);
+            return renderByPaths(scene_, params);
         case Method::kOctree:
-            return renderByOctree(scene, params);
+            return renderByOctree(scene_, params);
         case Method::kRadiance:
         case Method::kIrradiance:
-            return renderByCache(scene, params);
+            break;
+        default:
+            throw std::logic_error("unknown method");
     }
-    throw std::logic_error("unknown method");
+    StageSeconds seconds;
+    if (!state_ || state_->road != params.gather_road) {
+        state_.reset();  // never two of them in memory
+        state_ = std::make_unique<SceneState>(scene_, params.gather_road, seconds);
+    }
+    return renderByCache(*state_, seconds, params, timer);
+}
+
+RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
+    return Session(scene).render(params);
 }
 
 }  // namespace sheen

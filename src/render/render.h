@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct RenderParams {
     /// Above 0: the accuracy is lowered from 1, in several passes, until the image's error is at
     /// most this by the upper end of its estimate; placement.accuracy is not used.
     double target_error = 0;
+    /// Above 0: likewise, as far as fits into so many seconds of wall time from the call on. What
+    /// the image is then depends on the machine. The first, coarsest pass is always finished.
+    double time_limit = 0;
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;
     /// size 0: by the accuracy; extent 0: by the kind
@@ -88,8 +92,25 @@ struct RenderResult {
 /// No target error makes records finer than this.
 constexpr float kFinestAccuracy = 0.03f;
 
-/// Renders one frame. Usage error where the method does not support an option or the camera does
-/// not exist; environment error without an OpenGL 4.5 context.
+struct SceneState;
+
+/// Renders frames of a scene, which must outlive it. What is made of the scene for the methods that
+/// cache is made once, when a frame first needs it, and serves all frames of the same road.
+class Session {
+  public:
+    explicit Session(const Scene& scene);
+    ~Session();
+
+    /// Renders one frame. Usage error where the method does not support an option or the camera
+    /// does not exist; environment error without an OpenGL 4.5 context.
+    RenderResult render(const RenderParams& params);
+
+  private:
+    const Scene& scene_;
+    std::unique_ptr<SceneState> state_;
+};
+
+/// The same of a session of its own.
 RenderResult renderFrame(const Scene& scene, const RenderParams& params);
 
 }  // namespace sheen

@@ -7,7 +7,6 @@
 
 #include "cache/classes.h"
 #include "cache/lobes.h"
-#include "cache/placement.h"
 #include "cache/record.h"
 #include "gl/worker_pool.h"
 #include "image/frame.h"

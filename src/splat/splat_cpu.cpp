@@ -1,3 +1,4 @@
+#include "cache/served.h"
 #include "core/parallel.h"
 #include "splat/splat.h"
 

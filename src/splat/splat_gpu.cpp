@@ -4,6 +4,7 @@
 #include <cstring>
 #include <functional>
 
+#include "cache/served.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "gl/program.h"

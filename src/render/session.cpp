@@ -1,0 +1,80 @@
+#include "render/session.h"
+
+#include "cache/direct_rays.h"
+#include "core/parallel.h"
+#include "core/timer.h"
+#include "splat/splat.h"
+
+namespace sheen {
+namespace {
+
+// Adds the time until its end to a stage.
+class StageTimer {
+  public:
+    explicit StageTimer(double& stage) : stage_(stage) {}
+    ~StageTimer() { stage_ += timer_.seconds(); }
+    StageTimer(const StageTimer&) = delete;
+    StageTimer& operator=(const StageTimer&) = delete;
+
+  private:
+    double& stage_;
+    Timer timer_;
+};
+
+template <class Make>
+auto timed(double& stage, const Make& make) {
+    const StageTimer timer(stage);
+    return make();
+}
+
+}  // namespace
+
+SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seconds)
+    : scene(scene_),
+      road(road_),
+      // Only the raster gather draws with more than one context.
+      pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
+      rays(timed(seconds.gather, [&] { return RayCaster(scene); })),
+      cells(timed(seconds.gather, [&] { return LightCells(rays); })) {
+    if (road == GatherRoad::kRaster) {
+        const StageTimer timer(seconds.shadow);
+        pool.runOnFirst([&] { gpu = uploadScene(scene); });
+        renderShadowMaps(pool, scene, gpu);
+    }
+}
+
+SceneState::~SceneState() {
+    pool.release([this](int worker) {
+        if (worker == 0) {
+            gpu = {};
+        }
+    });
+}
+
+// rays -> G-buffer -> classes -> rays where the cache cannot follow. Direct light comes from rays
+// where records use rays, else from shadow maps.
+ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds) {
+    {
+        const StageTimer timer(seconds.gbuffer);
+        const Camera camera = findCamera(state.scene, params.camera);
+        gbuffer = renderGBuffer(state.rays, camera, params.width, params.height);
+        classes = classifyPixels(state.scene, gbuffer, params.sh_order,
+                                 params.method == Method::kIrradiance);
+        lobes = buildLobes(gbuffer, classes);
+        checkSplat(state.pool, lobes);
+    }
+    {
+        const StageTimer timer(seconds.shadow);
+        if (state.road == GatherRoad::kRays) {
+            gbuffer.direct = traceDirect(state.rays, gbuffer);
+        } else {
+            lightGBuffer(state.pool, state.gpu, gbuffer);
+        }
+    }
+    if (classes.anyByRays()) {
+        const StageTimer timer(seconds.gather);
+        specular = traceSpecular(state.rays, &state.cells, gbuffer, classes, params.specular);
+    }
+}
+
+}  // namespace sheen

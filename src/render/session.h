@@ -1,0 +1,46 @@
+// What outlives a frame: of a scene what serves all its views, of a view what serves all its
+// passes.
+#pragma once
+
+#include <optional>
+
+#include "cache/placement.h"
+#include "cache/specular_rays.h"
+#include "gl/worker_pool.h"
+#include "raster/gbuffer.h"
+#include "raster/gpu_scene.h"
+#include "rays/light_cells.h"
+#include "rays/ray_caster.h"
+#include "render/render.h"
+
+namespace sheen {
+
+/// Made of a scene once: OpenGL contexts, Embree's tree, which lights reach which surfaces, and,
+/// for the raster road, the scene and its shadow maps on the GPU.
+struct SceneState {
+    const Scene& scene;
+    const GatherRoad road;
+    gl::WorkerPool pool;
+    RayCaster rays;
+    LightCells cells;
+    GpuScene gpu;  // empty where records use rays
+
+    /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
+    SceneState(const Scene& scene, GatherRoad road, StageSeconds& seconds);
+    ~SceneState();
+};
+
+/// Made of a camera once: what its pixels see, what of that records are not asked for, and the
+/// records gathered so far.
+struct ViewState {
+    GBuffer gbuffer;
+    PixelClasses classes;
+    PixelLobes lobes;
+    Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
+    RecordField field;
+
+    /// Usage error where the camera does not exist.
+    ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds);
+};
+
+}  // namespace sheen
