@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "cache/estimate.h"
+#include "cache/served.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "image/exr.h"

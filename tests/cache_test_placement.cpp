@@ -363,6 +363,40 @@ TEST(Placement, SitesTellHowFarTheirRecordsWillReach) {
     }
 }
 
+TEST(Placement, AFieldThatServesAllIsLeftAsItIs) {
+    const Stage stage = makeStage(0, 4);
+    const Change wavy = [](const RecordSite& site, GatheredRecord& g) {
+        g.record.radius = 0.5f + 0.4f * std::sin(5.0f * site.position.x);
+    };
+    RecordField field;
+    const Placement first = place(stage, {}, wavy, &field);
+    const Change never = [](const RecordSite&, GatheredRecord&) { ADD_FAILURE() << "gathered"; };
+    expectSame(place(stage, {}, never, &field), first);
+    EXPECT_EQ(field.records.size(), first.cache.records.size());
+}
+
+TEST(Placement, AFinerPassAddsToTheField) {
+    const Stage stage = makeStage(0, 4);
+    const Change curved = [](const RecordSite&, GatheredRecord& g) { g.curvature = 2.0f; };
+    PlacementParams params{.accuracy = 1.0f};
+    RecordField field;
+    const size_t coarse = place(stage, params, curved, &field).cache.records.size();
+    params.accuracy = 0.05f;
+    size_t gathered = 0;
+    const Change count = [&](const RecordSite& site, GatheredRecord& g) {
+        EXPECT_FALSE(site.first);
+        curved(site, g);
+        ++gathered;
+    };
+    const Placement fine = place(stage, params, count, &field);
+    expectCovered(stage, params, fine);
+    EXPECT_EQ(fine.cache.records.size(), coarse + gathered);
+    // Hardly more than without any before.
+    const size_t anew = place(stage, params, curved).cache.records.size();
+    EXPECT_GT(anew, 2 * coarse);
+    EXPECT_LT(fine.cache.records.size(), anew + coarse / 2);
+}
+
 TEST(Placement, RefusesAGatherThatLosesSites) {
     const Stage stage = makeStage(0, 0);
     const GatherFunction none = [](std::span<const RecordSite>) {

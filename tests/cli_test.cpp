@@ -51,6 +51,9 @@ TEST_F(CliTest, optionsOutOfRange) {
                                "--target-error 0.6",
                                "--target-error nan",
                                "--target-error 1%",
+                               "--time-limit 0",
+                               "--time-limit nan",
+                               "--time-limit 2s",
                                "--sh-order 1",
                                "--sh-order 11",
                                "--sh-order best",
@@ -91,8 +94,9 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
     expectError("render scene.gltf --method irradiance --sh-order 4", ExitCode::kUsage,
                 "--sh-order: not an option of --method irradiance");
     for (const char* method : {"reference", "denoised"}) {
-        for (const char* option : {"--accuracy 0.1", "--target-error 0.02", "--sh-order 4",
-                                   "--gather plane", "--gather-size 32", "--gather-extent 2"}) {
+        for (const char* option :
+             {"--accuracy 0.1", "--target-error 0.02", "--time-limit 2", "--sh-order 4",
+              "--gather plane", "--gather-size 32", "--gather-extent 2"}) {
             expectError(fmt::format("render scene.gltf --method {} {}", method, option),
                         ExitCode::kUsage, fmt::format("not an option of --method {}", method));
         }
@@ -104,6 +108,10 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
     }
     expectError("render scene.gltf --target-error 0.02 --accuracy 0.1", ExitCode::kUsage,
                 "--accuracy");
+    for (const char* other : {"--accuracy 0.1", "--target-error 0.02"}) {
+        expectError(fmt::format("render scene.gltf --time-limit 2 {}", other), ExitCode::kUsage,
+                    "--time-limit");
+    }
     for (const char* gather : {"auto", "hemicube", "ray"}) {
         expectError(fmt::format("render scene.gltf --gather {} --gather-extent 2", gather),
                     ExitCode::kUsage, fmt::format("not an option of --gather {}", gather));

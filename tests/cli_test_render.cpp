@@ -66,6 +66,20 @@ TEST_F(CliTest, aTargetErrorIsReachedOrMissedAloud) {
     EXPECT_GT(json["passes"].get<int>(), 1);
 }
 
+TEST_F(CliTest, aTimeLimitTooShortIsSaidAndTheImageIsWhole) {
+    const Outcome late =
+        call("render scene.gltf --size 160x120 -o a.exr --json a.json --time-limit 0.1");
+    ASSERT_EQ(late.code, 0) << late.err;
+    const Json json = Json::parse(textOf(file("a.json")));
+    EXPECT_EQ(json["pixels_uncovered"], 0);
+    const bool said = late.err.find("--time-limit 0.1: the image took") != std::string::npos;
+    EXPECT_EQ(said, json["seconds"]["total"].get<double>() > 0.1) << late.err;
+    if (said) {
+        EXPECT_EQ(json["passes"], 1);
+        EXPECT_EQ(json["accuracy"], 2.0);
+    }
+}
+
 TEST_F(CliTest, everyWayToGatherRenders) {
     const char* const cached = "render scene.gltf --size 24x16 --gather-size 16";
     for (const char* gather : {"ray", "hemicube", "border", "plane", "larsen"}) {

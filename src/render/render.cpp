@@ -156,6 +156,7 @@ struct OutOfTime {};
 // What decides what a pass renders: its accuracy, and when it is given up.
 struct Pass {
     float accuracy = 0;
+    float rays_for = kInfinity;  // records cast rays as for this accuracy, if it is finer
     double seconds = kInfinity;  // for gathering; OutOfTime is thrown where that is not enough
 };
 
@@ -171,7 +172,8 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     }
     HemisphereParams hemisphere = params.gather;
     if (hemisphere.size == 0) {
-        hemisphere.size = gatherSize(state.road, pass.accuracy, hemisphere.kind);
+        hemisphere.size =
+            gatherSize(state.road, std::min(pass.accuracy, pass.rays_for), hemisphere.kind);
     }
     if (hemisphere.extent == 0.0f) {
         hemisphere.extent = gatherExtent(hemisphere.kind);
@@ -179,6 +181,12 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
 
     RenderStats& stats = result.stats;
     StageSeconds& seconds = stats.seconds;
+    // Records of much fewer rays would spoil what the others found.
+    constexpr float kMuchCoarser = 0.7f;
+    if (static_cast<float>(view.gather_size) < kMuchCoarser * static_cast<float>(hemisphere.size)) {
+        view.field = {};
+        view.gather_size = hemisphere.size;
+    }
     PassGatherer gatherer(state, hemisphere);
     const Timer timer;
     const auto account = [&] {
@@ -239,20 +247,29 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
 // Renders at finer and finer accuracies, until the estimate is at most the target or falls no more.
 void renderToTarget(const RenderParams& params, SceneState& state, ViewState& view,
                     RenderResult& result) {
-    constexpr float kFirst = 1.0f;
+    constexpr float kUsualAtPercent = 0.3f;
+    constexpr float kFinestFirst = 0.25f;
     // The error falls like this power of the accuracy, until what records do not cause is left:
     // from the first pass on its power is then small (docs/decisions.md).
     constexpr double kUsualPower = 0.7;
     constexpr double kLeastPower = 0.25;
+    constexpr float kTelling = 0.35f;
     constexpr double kStep = 1.0 / 3.0;  // three times as long: half of that was spent on the way
     constexpr double kMargin = 0.85;     // a pass that just misses is lost
-    double first_estimate = 0.0;
-    for (float accuracy = kFirst;;) {
+    // What most scenes take for a target, and not quite as fine.
+    const float first =
+        std::clamp(kUsualAtPercent *
+                       static_cast<float>(std::pow(100.0 * params.target_error, 1.0 / kUsualPower)),
+                   kFinestFirst, 1.0f);
+    double of_first = 0.0;
+    for (float accuracy = first;;) {
         renderPass(params, {.accuracy = accuracy}, state, view, result);
         const double estimate = result.stats.estimate_high;
-        first_estimate = accuracy == kFirst ? estimate : first_estimate;
-        const bool falls = accuracy == kFirst ||
-                           estimate < first_estimate * std::pow(accuracy / kFirst, kLeastPower);
+        of_first = accuracy == first ? result.stats.estimated_rel_rmse : of_first;
+        // Over less, chance hides it.
+        const bool falls =
+            accuracy > kTelling * first ||
+            result.stats.estimated_rel_rmse < of_first * std::pow(accuracy / first, kLeastPower);
         if (!(estimate > params.target_error) || accuracy <= kFinestAccuracy || !falls) {
             return;
         }

@@ -38,6 +38,7 @@ struct ViewState {
     PixelLobes lobes;
     Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
     RecordField field;
+    int gather_size = 0;  // that these were gathered with, or more
 
     /// Usage error where the camera does not exist.
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds);

@@ -1,0 +1,76 @@
+// What sessions keep between frames, and frames between passes.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "core/error.h"
+#include "core/timer.h"
+#include "test_render.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kSize = 40;
+
+void expectSame(const Image<vec3>& a, const Image<vec3>& b) {
+    ASSERT_EQ(a.pixels.size(), b.pixels.size());
+    EXPECT_EQ(std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(vec3)), 0);
+}
+
+TEST(Session, EveryFrameIsThatOfASessionOfItsOwn) {
+    Scene scene = glossyRoom();
+    scene.cameras.push_back(lookAt(vec3(-0.4f, 0.3f, 0.9f), vec3(0.3f, -0.7f, 0.0f)));
+    Session session(scene);
+    // Back to the first camera after the second, to the first road after the other, and a method
+    // that keeps nothing in between.
+    struct Step {
+        const char* camera;
+        GatherRoad road;
+        Method method;
+    };
+    for (const Step& step : {Step{"0", GatherRoad::kRays, Method::kRadiance},
+                             Step{"1", GatherRoad::kRays, Method::kRadiance},
+                             Step{"1", GatherRoad::kRays, Method::kOctree},
+                             Step{"0", GatherRoad::kRays, Method::kIrradiance},
+                             Step{"0", GatherRoad::kRaster, Method::kRadiance},
+                             Step{"1", GatherRoad::kRaster, Method::kRadiance},
+                             Step{"0", GatherRoad::kRays, Method::kRadiance}}) {
+        RenderParams params = smallRender(kSize, kSize, step.method, step.road);
+        params.camera = step.camera;
+        const RenderResult alone = renderFrame(scene, params);
+        const RenderResult kept = session.render(params);
+        expectSame(kept.frame.direct, alone.frame.direct);
+        expectSame(kept.frame.indirect, alone.frame.indirect);
+        EXPECT_EQ(kept.stats.records, alone.stats.records);
+    }
+}
+
+TEST(Session, AFrameThatFailsLeavesItUsable) {
+    const Scene scene = glossyRoom();
+    Session session(scene);
+    RenderParams params = smallRender(kSize, kSize);
+    params.camera = "none of that name";
+    EXPECT_THROW(session.render(params), Error);
+    params.camera.clear();
+    expectSame(session.render(params).frame.indirect, renderFrame(scene, params).frame.indirect);
+}
+
+TEST(TimeLimit, EndsWithAWholeImage) {
+    const Scene scene = glossyRoom();
+    RenderParams params = smallRender(kSize, kSize);
+    params.gather.size = 0;
+    params.time_limit = 1e-6;
+    const RenderResult first = renderFrame(scene, params);
+    EXPECT_EQ(first.stats.passes, 1);
+    EXPECT_EQ(first.stats.accuracy, 2.0f);
+    EXPECT_EQ(first.stats.pixels_uncovered, 0);
+    // However long this machine takes.
+    params.time_limit = 20.0 * first.stats.seconds.placement + 20.0 * first.stats.seconds.gather;
+    const RenderResult more = renderFrame(scene, params);
+    EXPECT_EQ(more.stats.pixels_uncovered, 0);
+    EXPECT_EQ(more.stats.nonfinite_pixels, 0);
+    EXPECT_EQ(more.stats.accuracy<2.0f, more.stats.passes> 1);
+}
+
+}  // namespace
+}  // namespace sheen
