@@ -4,7 +4,7 @@
 packages=(
     g++ cmake ninja-build pkg-config
     libosmesa6-dev libegl-dev libglm-dev libfmt-dev libtbb-dev libembree-dev
-    libopenexr-dev libpng-dev libtinygltf-dev libstb-dev libmeshoptimizer-dev libcli11-dev nlohmann-json3-dev
+    libopenexr-dev libpng-dev libturbojpeg0-dev libtinygltf-dev libmeshoptimizer-dev libcli11-dev nlohmann-json3-dev
     libjs-chart.js libgtest-dev libbenchmark-dev
 )
 # What only ./check needs: the browser that opens the chart's report, plots of the benchmarks.

@@ -104,7 +104,7 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
     }
     expectError("render scene.gltf --target-error 0.02 --accuracy 0.1", ExitCode::kUsage,
                 "--accuracy");
-    for (const char* gather : {"auto", "hemicube", "ray"}) {
+    for (const char* gather : {"hemicube", "ray"}) {
         expectError(fmt::format("render scene.gltf --gather {} --gather-extent 2", gather),
                     ExitCode::kUsage, fmt::format("not an option of --gather {}", gather));
     }
