@@ -18,7 +18,7 @@ TEST_F(CliTest, versionAndHelp) {
 
 TEST_F(CliTest, helpStatesDefaults) {
     const std::string help = call("render --help").out;
-    for (const char* text : {"512x512", "=radiance", "=0.4", "ray}=auto", "=256", "=basic"}) {
+    for (const char* text : {"512x512", "=radiance", "=0.4", "ray}=ray", "=256", "=basic"}) {
         EXPECT_NE(help.find(text), std::string::npos) << text;
     }
 }
