@@ -187,6 +187,7 @@ TEST(DecodeDamaged, SaysWhatIsWrong) {
     png.resize(20);
     EXPECT_EQ(reason(png), "it ends too early");
     EXPECT_EQ(reason({'G', 'I', 'F', '8', '9', 'a'}), "it is neither PNG nor JPEG");
+    EXPECT_EQ(reason({0xff, 0xd8, 0xff, 0xd9}), "it holds tables and no image");
     EXPECT_EQ(reason({}), "it is neither PNG nor JPEG");
 }
 

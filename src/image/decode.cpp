@@ -150,6 +150,9 @@ class JpegReader {
         int subsampling = 0;
         check(tjDecompressHeader3(handle_.get(), file_.data(), file_.size(), &header.width,
                                   &header.height, &subsampling, &color_space_));
+        if (header.width < 1 || header.height < 1) {
+            throw DecodeError("it holds tables and no image");  // no error to libjpeg-turbo
+        }
         return header;
     }
 
