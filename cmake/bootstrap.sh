@@ -4,9 +4,11 @@
 packages=(
     g++ cmake ninja-build pkg-config
     libosmesa6-dev libegl-dev libglm-dev libfmt-dev libtbb-dev libembree-dev
-    libopenexr-dev libpng-dev libtinygltf-dev libstb-dev libmeshoptimizer-dev libcli11-dev nlohmann-json3-dev
-    libjs-chart.js libgtest-dev libbenchmark-dev
+    libopenexr-dev libpng-dev libturbojpeg0-dev libtinygltf-dev libmeshoptimizer-dev libcli11-dev nlohmann-json3-dev
+    libjs-chart.js
 )
+# What CMake asks for where tests and benchmarks are built too.
+test_build_packages=(libgtest-dev libbenchmark-dev)
 # What only ./check needs: the browser that opens the chart's report, plots of the benchmarks.
 test_packages=(chromium chromium-driver python3-selenium gnuplot-nox)
 build="$root/build/release"
@@ -48,16 +50,21 @@ sources_unchanged_since() {
     [[ -z $changed ]]
 }
 
+# Whether a target lies in tests/ or bench/, or everything is asked for.
+needs_tests() { [[ $1 != sheen && $1 != make_scenes ]]; }
+
 # configure_and_build TARGET
 configure_and_build() {
     cd "$root"
-    local cache="$build/CMakeCache.txt" fresh=()
+    local cache="$build/CMakeCache.txt" fresh=() tests=OFF
+    ! needs_tests "$1" || tests=ON
     # A tree that was moved or copied must forget its old place.
     if [[ -e $cache ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" "$cache"; then
         fresh=(--fresh)
     fi
-    if [[ ! -e $build/build.ninja || ${#fresh[@]} -gt 0 ]]; then
-        cmake --preset release "${fresh[@]}"
+    if [[ ! -e $build/build.ninja || ${#fresh[@]} -gt 0 ]] ||
+        { [[ $tests == ON ]] && grep -qxF "SHEEN_TESTS:BOOL=OFF" "$cache"; }; then
+        cmake --preset release "${fresh[@]}" -DSHEEN_TESTS=$tests
     fi
     cmake --build "$build" --target "$1"
 }
@@ -71,6 +78,7 @@ ensure_built() {
     exec 9>"$root/build/.lock"
     flock 9
     if ! sources_unchanged_since "$stamp"; then
+        ! needs_tests "$1" || packages+=("${test_build_packages[@]}")
         if [[ "$(cat "$known_packages" 2>/dev/null)" != "${packages[*]}" ]]; then
             install_packages "${packages[@]}"
             echo "${packages[*]}" >"$known_packages"

@@ -1,16 +1,26 @@
+# sheen_include_root(TARGET SCOPE NAME): lets a target include the headers of the folder src/NAME, as
+# "NAME/file.h", and those of no other: the root holds nothing but a link to that folder.
+function(sheen_include_root target scope name)
+    set(root ${PROJECT_BINARY_DIR}/include/${name})
+    file(MAKE_DIRECTORY ${root})
+    file(RELATIVE_PATH folder ${root} ${PROJECT_SOURCE_DIR}/src/${name})
+    file(CREATE_LINK ${folder} ${root}/${name} SYMBOLIC)
+    target_include_directories(${target} ${scope} ${root})
+endfunction()
+
 # sheen_library(NAME SOURCES ... USES ...): the library of one folder of src/. Sources are named
 # relative to the folder; what it uses is visible to whoever uses it, since headers include headers.
+# It sees the headers of the libraries that it uses, directly or through others, and no others; and
+# it may use only those that were added before it.
 function(sheen_library name)
     cmake_parse_arguments(ARG "" "" "SOURCES;USES" ${ARGN})
-    if(ARG_SOURCES)
-        add_library(sheen_${name} STATIC ${ARG_SOURCES})
-        target_include_directories(sheen_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src
-                                                        ${PROJECT_SOURCE_DIR}/shaders)
-        target_link_libraries(sheen_${name} PUBLIC ${ARG_USES})
-    else()
-        add_library(sheen_${name} INTERFACE)
-        target_include_directories(sheen_${name} INTERFACE ${PROJECT_SOURCE_DIR}/src
-                                                           ${PROJECT_SOURCE_DIR}/shaders)
-        target_link_libraries(sheen_${name} INTERFACE ${ARG_USES})
-    endif()
+    foreach(used ${ARG_USES})
+        if(used MATCHES "^sheen_" AND NOT TARGET ${used})
+            message(FATAL_ERROR "src/${name} may not use ${used}, which CMakeLists.txt adds below it")
+        endif()
+    endforeach()
+    add_library(sheen_${name} STATIC ${ARG_SOURCES})
+    sheen_include_root(sheen_${name} PUBLIC ${name})
+    target_include_directories(sheen_${name} PUBLIC ${PROJECT_SOURCE_DIR}/shaders)
+    target_link_libraries(sheen_${name} PUBLIC ${ARG_USES})
 endfunction()

@@ -18,7 +18,7 @@ TEST_F(CliTest, versionAndHelp) {
 
 TEST_F(CliTest, helpStatesDefaults) {
     const std::string help = call("render --help").out;
-    for (const char* text : {"512x512", "=radiance", "=0.4", "ray}=auto", "=256", "=basic"}) {
+    for (const char* text : {"512x512", "=radiance", "=0.4", "ray}=ray", "=256", "=basic"}) {
         EXPECT_NE(help.find(text), std::string::npos) << text;
     }
 }
@@ -112,7 +112,7 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
         expectError(fmt::format("render scene.gltf --time-limit 2 {}", other), ExitCode::kUsage,
                     "--time-limit");
     }
-    for (const char* gather : {"auto", "hemicube", "ray"}) {
+    for (const char* gather : {"hemicube", "ray"}) {
         expectError(fmt::format("render scene.gltf --gather {} --gather-extent 2", gather),
                     ExitCode::kUsage, fmt::format("not an option of --gather {}", gather));
     }

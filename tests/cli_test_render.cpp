@@ -90,7 +90,6 @@ TEST_F(CliTest, everyWayToGatherRenders) {
         const Json json = Json::parse(textOf(file(std::string(gather) + ".json")));
         EXPECT_EQ(json["method"], "radiance");
         EXPECT_EQ(json["gather"], gather);
-        EXPECT_FALSE(json.contains("gather_raster_ratio"));
         EXPECT_NE(run.out.find(fmt::format("\ngather    {}\n", gather)), std::string::npos)
             << run.out;
         EXPECT_EQ(json["size"], Json::array({24, 16}));
@@ -111,21 +110,14 @@ TEST_F(CliTest, everyWayToGatherRenders) {
     EXPECT_NE(textOf(file("hemicube.exr")), textOf(file("border.exr")));
 }
 
-TEST_F(CliTest, renderSaysWhichGatherAndWhy) {
+TEST_F(CliTest, recordsGatherByRaysUnlessAsked) {
     const char* const cached = "render scene.gltf --size 24x16 --gather-size 16";
     ASSERT_EQ(call(fmt::format("{} --gather ray -o ray.exr", cached)).code, 0);
-    for (const char* automatic : {"", " --gather auto"}) {
-        const Outcome run =
-            call(fmt::format("{}{} -o auto.exr --json auto.json", cached, automatic));
-        ASSERT_EQ(run.code, 0) << run.err;
-        EXPECT_NE(run.out.find("gather    ray: the software rasteriser is predicted"),
-                  std::string::npos)
-            << run.out;
-        const Json json = Json::parse(textOf(file("auto.json")));
-        EXPECT_EQ(json["gather"], "ray");
-        EXPECT_GT(json["gather_raster_ratio"].get<double>(), 1.0);
-        EXPECT_EQ(textOf(file("auto.exr")), textOf(file("ray.exr")));
-    }
+    const Outcome run = call(fmt::format("{} -o default.exr --json default.json", cached));
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("gather    ray\n"), std::string::npos) << run.out;
+    EXPECT_EQ(Json::parse(textOf(file("default.json")))["gather"], "ray");
+    EXPECT_EQ(textOf(file("default.exr")), textOf(file("ray.exr")));
 }
 
 TEST_F(CliTest, baselinesRender) {

@@ -305,15 +305,16 @@ GltfFile withImage(const std::vector<uint8_t>& bytes) {
 TEST(SceneLoaderBroken, ImageOfAFormatThatGltfHasNot) {
     const std::vector<uint8_t> gif = {'G', 'I', 'F', '8', '9', 'a', 1, 0, 1, 0, 0, 0, 0, 0x2c, 0,
                                       0,   0,   0,   1,   0,   1,   0, 0, 2, 2, 4, 1, 0, 0x3b};
-    expectInputError(withImage(gif).write(), "PNG or JPEG");
+    expectInputError(withImage(gif).write(), "neither PNG nor JPEG");
 }
 
 // 57 bytes that ask for 300 MB.
 TEST(SceneLoaderBroken, ImageThatPromisesMoreTexelsThanItCanHold) {
     const std::vector<uint8_t> png = {
-        0x89, 'P', 'N', 'G',  '\r', '\n', 0x1a, '\n', 0, 0, 0, 13,  'I', 'H', 'D', 'R', 0, 0, 0x27,
-        0x10, 0,   0,   0x27, 0x10, 8,    2,    0,    0, 0, 0, 0,   0,   0,   0,   0,   0, 0, 'I',
-        'D',  'A', 'T', 0,    0,    0,    0,    0,    0, 0, 0, 'I', 'E', 'N', 'D', 0,   0, 0, 0};
+        0x89, 'P',  'N',  'G',  '\r', '\n', 0x1a, '\n', 0,    0,   0,   13, 'I', 'H', 'D',
+        'R',  0,    0,    0x27, 0x10, 0,    0,    0x27, 0x10, 8,   2,   0,  0,   0,   0x35,
+        0x2c, 0xf5, 0x70, 0,    0,    0,    0,    'I',  'D',  'A', 'T', 0,  0,   0,   0,
+        0,    0,    0,    0,    'I',  'E',  'N',  'D',  0,    0,   0,   0};
     expectInputError(withImage(png).write(), "10000 x 10000 texels it promises");
 }
 
@@ -333,7 +334,7 @@ TEST(SceneLoaderBroken, JpegWithAHuffmanTableTooLong) {
     addTable(17, 1);
     expectInputError(withImage(jpeg).write(), "cannot be decoded");
     addTable(17, 16);
-    expectInputError(withImage(jpeg).write(), "more than 256 symbols");
+    expectInputError(withImage(jpeg).write(), "cannot be decoded");
 }
 
 TEST(SceneLoaderBroken, NamesBecomeOneLine) {

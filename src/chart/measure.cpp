@@ -465,7 +465,6 @@ class Sweep {
             fs::remove(json, ignored);  // what it says is not of this image
         }
         const ChildRun run = runPoint(task, *task.setting, task.file.string() + ".exr");
-        const Json stats = Json::parse(run.out);
         if (!task.stored) {
             task.stored = {.key = task.key, .measured = {}};
             task.stored->measured.host = host_;
@@ -474,25 +473,9 @@ class Sweep {
                 warn(fmt::format("{}: {}", label, warning));
             }
         }
-        Measurement& measured = task.stored->measured;
-        measured.runs.push_back(timedRun(run.seconds, stats));
-        measured.records = stats.at("records");
-        measured.gl_renderer = stats.at("gl_renderer");
+        addRun(task.stored->measured, run.seconds, run.out);
         writeText(json, jsonText(*task.stored));
         count(task.job, *task.stored, isDone(task), label);
-    }
-
-    static TimedRun timedRun(double wall_seconds, const Json& stats) {
-        TimedRun run = {.seconds = wall_seconds, .stages = {}};
-        double other = wall_seconds;
-        for (const auto& [stage, seconds] : stats.at("seconds").items()) {
-            if (stage != "total" && seconds.get<double>() > 0) {
-                run.stages.emplace_back(stage, seconds.get<double>());
-                other -= seconds.get<double>();
-            }
-        }
-        run.stages.emplace_back("other", std::max(other, 0.0));
-        return run;
     }
 
     const ChartParams& params_;

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "core/error.h"
@@ -171,6 +172,22 @@ std::string jsonText(const StoredPoint& point) {
                       {"records", m.records},
                       {"gl_renderer", m.gl_renderer}},
                      2);
+}
+
+void addRun(Measurement& measured, double wall_seconds, const std::string& render_json) {
+    const Json stats = Json::parse(render_json);
+    TimedRun run = {.seconds = wall_seconds, .stages = {}};
+    double other = wall_seconds;
+    for (const auto& [stage, seconds] : stats.at("seconds").items()) {
+        if (stage != "total" && seconds.get<double>() > 0) {
+            run.stages.emplace_back(stage, seconds.get<double>());
+            other -= seconds.get<double>();
+        }
+    }
+    run.stages.emplace_back("other", std::max(other, 0.0));
+    measured.runs.push_back(run);
+    measured.records = stats.at("records");
+    measured.gl_renderer = stats.at("gl_renderer");
 }
 
 std::optional<StoredPoint> parsePoint(const std::string& text) {

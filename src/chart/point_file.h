@@ -1,7 +1,7 @@
 // What the chart's folder remembers of a measured point or a reference, as JSON beside its EXR.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -43,6 +43,9 @@ struct StoredPoint {
 Json jsonFromStages(const StageTimes& stages);
 
 std::string jsonText(const StoredPoint& point);
+
+/// Adds a run that took `wall_seconds` and printed `render_json` (`sheen render --json -`).
+void addRun(Measurement& measured, double wall_seconds, const std::string& render_json);
 
 /// The point that `text` holds; none where it is not such a file.
 std::optional<StoredPoint> parsePoint(const std::string& text);

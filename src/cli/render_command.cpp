@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <optional>
 
 #include "cli/commands.h"
 #include "cli/options.h"
@@ -27,11 +26,10 @@ const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
                                                 {"denoised", Method::kDenoised}};
 
 struct Gather {
-    std::optional<GatherRoad> road;  // none: the cheaper
+    GatherRoad road;
     HemisphereKind hemisphere;
 };
 const std::map<std::string, Gather> kGathers = {
-    {"auto", {std::nullopt, HemisphereKind::kHemicube}},
     {"ray", {GatherRoad::kRays, HemisphereKind::kHemicube}},
     {"border", {GatherRoad::kRaster, HemisphereKind::kBorder}},
     {"plane", {GatherRoad::kRaster, HemisphereKind::kPlane}},
@@ -50,13 +48,12 @@ struct RenderOptions {
     std::string size = "512x512";
     std::string method = "radiance";
     std::string sh_order = "auto";
-    std::string gather = "auto";
+    std::string gather = "ray";
     std::string exposure = "auto";
     std::string layers = "basic";
     std::string json;
     int threads = 0;
     RenderParams params;
-    std::optional<RoadChoice> road_choice;  // where --gather auto chose
     std::vector<LimitedOption> limited;
     CLI::Option* exposure_option = nullptr;
     CLI::Option* layers_option = nullptr;
@@ -145,8 +142,7 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                            "radiance, irradiance: how a record sees its hemisphere: by rays "
                            "through a hemicube (ray), or rasterised: on a hemicube, or one plane "
                            "with its border stretched to the horizon (border), bare (plane) or "
-                           "rescaled (larsen); auto: ray or hemicube, what costs less for the "
-                           "same error")
+                           "rescaled (larsen)")
                 ->check(CLI::IsMember(keysOf(kGathers))),
             cached);
     limited(
@@ -277,9 +273,6 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"gl_renderer", stats.gl_renderer}};
     if (usesCache(o.params.method)) {
         json["gather"] = o.gather;
-        if (o.road_choice) {
-            json["gather_raster_ratio"] = o.road_choice->raster_ratio;
-        }
     }
     if (tracesPaths(o.params.method)) {
         json["mrays_per_second"] = stats.mrays_per_second;
@@ -317,12 +310,7 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
                    stats.pixels_uncovered, stats.pixels_geometry);
     }
     if (usesCache(o.params.method)) {
-        fmt::print("gather    {}{}\n", o.gather,
-                   !o.road_choice
-                       ? ""
-                       : fmt::format(": the software rasteriser is predicted to take {:.2g} times "
-                                     "as long as rays for the same error",
-                                     o.road_choice->raster_ratio));
+        fmt::print("gather    {}\n", o.gather);
         if (std::isfinite(stats.estimated_rel_rmse)) {
             fmt::print("estimate  rel_rmse of the indirect light {:.1f}% ({:.1f} to {:.1f}%)\n",
                        100 * stats.estimated_rel_rmse, 100 * stats.estimate_low,
@@ -361,6 +349,7 @@ ExitCode runRender(RenderOptions& o) {
     o.params.width = size.x;
     o.params.height = size.y;
     o.params.method = kMethods.at(o.method);
+    o.params.gather_road = kGathers.at(o.gather).road;
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.all_layers = o.layers == "all";
@@ -377,11 +366,6 @@ ExitCode runRender(RenderOptions& o) {
         warn(warning);
     }
     const double load_seconds = load.seconds();
-    if (!kGathers.at(o.gather).road) {
-        o.road_choice = cheaperRoad(kSoftwareCosts, scene.triangleCount());
-        o.gather = o.road_choice->road == GatherRoad::kRays ? "ray" : "hemicube";
-    }
-    o.params.gather_road = *kGathers.at(o.gather).road;
     checkOutputs({{"-o", o.output}, {"--json", o.json}}, scene.files);
 
     const double limit = o.params.time_limit;

@@ -2,7 +2,7 @@
 // and an exit code in cli/. A failed CHECK is a bug of ours and stays on in release builds.
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <stdexcept>
 #include <string>

@@ -15,14 +15,4 @@ int gatherSize(GatherRoad road, float accuracy, HemisphereKind kind) {
 
 float gatherExtent(HemisphereKind kind) { return kind == HemisphereKind::kBorder ? 2.5f : 3.0f; }
 
-double RecordCost::milliseconds(int triangles) const {
-    return fixed + factor * std::pow(static_cast<double>(triangles), power);
-}
-
-RoadChoice cheaperRoad(const RoadCosts& costs, int triangles) {
-    const double ratio = costs.raster_equal_error * costs.raster.milliseconds(triangles) /
-                         costs.rays.milliseconds(triangles);
-    return {ratio < 1.0 ? GatherRoad::kRaster : GatherRoad::kRays, ratio};
-}
-
 }  // namespace sheen

@@ -1,19 +1,16 @@
 // Materials and their base-colour textures.
-#include <stb/stb_image.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <string_view>
 
 #include "core/memory.h"
+#include "image/decode.h"
 #include "scene/gltf_parts.h"
 
 namespace sheen::gltf {
 namespace {
 
-// An image of more texels is refused: decoded, it takes 12 bytes a texel.
+// An image of more texels is refused: as linear light, it takes 12 bytes a texel.
 constexpr int64_t kMaxTexels = int64_t{1} << 27;
 // What a byte of a file can hold at most: zlib packs 1032 bytes of 8 texels each into one, and
 // JPEG's blocks of 64 texels take a bit or more.
@@ -46,123 +43,57 @@ int wrapOf(const File& file, int gl_wrap, const std::string& where) {
     }
 }
 
-size_t texelCount(const tinygltf::Image& image) {
-    return static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
+vec3 storedTexel(const DecodedImage& image, size_t i) {
+    const uint16_t* rgb = image.rgb.data() + 3 * i;
+    return vec3(rgb[0], rgb[1], rgb[2]) / 65535.0f;
 }
 
-// The first three components of a texel as stored, in [0, 1].
-vec3 storedTexel(const tinygltf::Image& image, size_t i) {
-    const auto components = static_cast<size_t>(image.component);
-    if (image.bits == 16) {
-        std::array<uint16_t, 3> rgb;
-        std::memcpy(rgb.data(), image.image.data() + 2 * i * components, sizeof(rgb));
-        return vec3(rgb[0], rgb[1], rgb[2]) / 65535.0f;
-    }
-    const unsigned char* rgb = image.image.data() + i * components;
-    return vec3(rgb[0], rgb[1], rgb[2]) / 255.0f;
-}
-
-vec3 meanTexel(const tinygltf::Image& image) {
+vec3 meanTexel(const DecodedImage& image) {
+    const size_t count = image.rgb.size() / 3;
     glm::dvec3 sum(0.0);
-    for (size_t i = 0; i < texelCount(image); ++i) {
+    for (size_t i = 0; i < count; ++i) {
         sum += storedTexel(image, i);
     }
-    return vec3(sum / static_cast<double>(texelCount(image)));
+    return vec3(sum / static_cast<double>(count));
 }
 
-std::vector<vec3> linearTexels(const tinygltf::Image& image) {
-    std::vector<vec3> texels(texelCount(image));
-    if (image.bits == 16) {
-        for (size_t i = 0; i < texels.size(); ++i) {
-            const vec3 stored = storedTexel(image, i);
-            for (int c = 0; c < 3; ++c) {
-                texels[i][c] = linearFromSrgb(stored[c]);
-            }
+std::vector<vec3> linearTexels(const DecodedImage& image) {
+    static const std::vector<float> table = [] {
+        std::vector<float> linear(65536);
+        for (size_t i = 0; i < linear.size(); ++i) {
+            linear[i] = linearFromSrgb(static_cast<float>(i) / 65535.0f);
         }
-        return texels;
-    }
-    std::array<float, 256> table;
-    for (size_t i = 0; i < table.size(); ++i) {
-        table[i] = linearFromSrgb(static_cast<float>(i) / 255.0f);
-    }
-    const auto components = static_cast<size_t>(image.component);
+        return linear;
+    }();
+    std::vector<vec3> texels(image.rgb.size() / 3);
     for (size_t i = 0; i < texels.size(); ++i) {
-        const unsigned char* rgb = image.image.data() + i * components;
+        const uint16_t* rgb = image.rgb.data() + 3 * i;
         texels[i] = {table[rgb[0]], table[rgb[1]], table[rgb[2]]};
     }
     return texels;
 }
 
-// Whether each Huffman table of a JPEG has at most the 256 symbols there are: stb_image writes
-// beyond its own tables otherwise. Walks from marker to marker as stb_image does.
-bool hasSaneHuffmanTables(const ByteSpan& jpeg) {
-    constexpr uint8_t kHuffman = 0xC4;
-    constexpr size_t kLengths = 16;
-    constexpr int kSymbols = 256;
-    const auto at = [&](size_t i) { return i < jpeg.size ? jpeg.data[i] : uint8_t{0}; };
-    for (size_t p = 2; p < jpeg.size;) {
-        if (at(p) != 0xFF) {
-            ++p;  // padding, or what a scan has coded
-            continue;
-        }
-        while (at(p) == 0xFF) {
-            ++p;
-        }
-        const uint8_t marker = at(p++);
-        if (marker == 0x00 || (marker >= 0xD0 && marker <= 0xD9)) {
-            continue;  // a coded 0xFF, or a marker without a segment
-        }
-        const size_t length = size_t{at(p)} << 8 | at(p + 1);
-        const size_t end = p + length;
-        for (size_t table = p + 2; marker == kHuffman && table < end;) {
-            int symbols = 0;
-            for (size_t i = 1; i <= kLengths; ++i) {
-                symbols += at(table + i);
-            }
-            if (symbols > kSymbols) {
-                return false;
-            }
-            table += 1 + kLengths + static_cast<size_t>(symbols);
-        }
-        p = std::max(end, p + 2);
-    }
-    return true;
-}
-
-// Checks what an image's header says before memory is taken for it. stb_image reads more formats
-// than glTF has, less carefully.
-void checkImage(const File& file, const ByteSpan& bytes, const std::string& where) {
-    const auto begins = [&](std::string_view magic) {
-        return bytes.size >= magic.size() &&
-               std::memcmp(bytes.data, magic.data(), magic.size()) == 0;
-    };
-    const bool is_png = begins("\x89PNG");
-    if (!is_png && begins("\xFF\xD8") && !hasSaneHuffmanTables(bytes)) {
-        file.fail(where, "a Huffman table of it has more than 256 symbols; use an intact JPEG");
-    }
-    int width = 0, height = 0, components = 0;
-    if ((!is_png && !begins("\xFF\xD8")) ||
-        stbi_info_from_memory(bytes.data, static_cast<int>(bytes.size), &width, &height,
-                              &components) == 0) {
-        file.fail(where, "it cannot be decoded; use an intact PNG or JPEG");
-    }
-    const int64_t texels = int64_t{width} * height;
+// Checks what an image's header says before memory is taken for it.
+void checkImage(const File& file, const ImageHeader& header, size_t bytes,
+                const std::string& where) {
+    const int64_t texels = int64_t{header.width} * header.height;
     if (texels > kMaxTexels) {
-        file.fail(where, "{} x {} texels are too many; use a smaller image", width, height);
+        file.fail(where, "{} x {} texels are too many; use a smaller image", header.width,
+                  header.height);
     }
-    if (texels / (is_png ? kTexelsPerPngByte : kTexelsPerJpegByte) >
-        static_cast<int64_t>(bytes.size)) {
+    const int64_t a_byte =
+        header.format == ImageFormat::kPng ? kTexelsPerPngByte : kTexelsPerJpegByte;
+    if (texels / a_byte > static_cast<int64_t>(bytes)) {
         file.fail(where,
                   "its {} bytes cannot hold the {} x {} texels it promises; use an intact image",
-                  bytes.size, width, height);
+                  bytes, header.width, header.height);
     }
-    constexpr int64_t kBytesPerTexel = 24;  // as decoded, and as linear light
+    constexpr int64_t kBytesPerTexel = 18;  // as decoded, and as linear light
     checkMemory({.bytes = static_cast<uint64_t>(texels * kBytesPerTexel)},
                 fmt::format("{}: {}", file.path, where), "use a smaller image");
 }
 
-// At least three components.
-tinygltf::Image decodeImage(const File& file, int index) {
+DecodedImage loadImage(const File& file, int index) {
     const tinygltf::Image& source = file.model.images[static_cast<size_t>(index)];
     const std::string where = label("image", static_cast<size_t>(index), source.name);
     ByteSpan bytes{source.image.data(), source.image.size()};
@@ -173,19 +104,14 @@ tinygltf::Image decodeImage(const File& file, int index) {
         file.fail(where, "{} cannot be read; put it beside the scene, or embed it",
                   source.uri.empty() ? "it" : oneLine(source.uri));
     }
-    if (bytes.size > static_cast<size_t>(std::numeric_limits<int>::max())) {
-        file.fail(where, "it has {} bytes; use a smaller image", bytes.size);
+    const std::span<const uint8_t> encoded(bytes.data, bytes.size);
+    try {
+        checkImage(file, readImageHeader(encoded), bytes.size, where);
+        return decodeImage(encoded);
+    } catch (const DecodeError& error) {
+        file.fail(where, "it cannot be decoded: {}; use an intact PNG or JPEG",
+                  oneLine(error.what()));
     }
-    checkImage(file, bytes, where);
-    tinygltf::Image image;
-    std::string error;
-    std::string warning;
-    if (!tinygltf::LoadImageData(&image, index, &error, &warning, 0, 0, bytes.data,
-                                 static_cast<int>(bytes.size), nullptr) ||
-        image.component < 3) {
-        file.fail(where, "it cannot be decoded; use an intact PNG or JPEG");
-    }
-    return image;
 }
 
 // What was made of images, so that materials share it.
@@ -224,7 +150,7 @@ int loadTexture(File& file, int texture_index, const std::string& owner, KnownIm
     const auto [found, is_new] = known.textures.try_emplace(
         {texture.source, wrap.x, wrap.y}, static_cast<int>(scene.textures.size()));
     if (is_new) {
-        const tinygltf::Image image = decodeImage(file, texture.source);
+        const DecodedImage image = loadImage(file, texture.source);
         scene.textures.push_back({.width = image.width,
                                   .height = image.height,
                                   .texels = linearTexels(image),
@@ -239,7 +165,7 @@ void applyMeanMetallicRoughness(File& file, int texture_index, const std::string
     const int image = textureAt(file, texture_index, owner).source;
     const auto [mean, is_new] = known.means.try_emplace(image);
     if (is_new) {
-        mean->second = meanTexel(decodeImage(file, image));
+        mean->second = meanTexel(loadImage(file, image));
     }
     params.roughness *= mean->second.g;
     params.metallic *= mean->second.b;

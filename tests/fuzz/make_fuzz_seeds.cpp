@@ -1,5 +1,5 @@
-// Writes what the fuzzers start from: make_fuzz_seeds DIRECTORY makes the folders scene, exr, point
-// and options of small sound files in it, and the dictionary gltf.dict.
+// Writes what the fuzzers start from: make_fuzz_seeds DIRECTORY makes the folders scene, exr,
+// image, point and options of small sound files in it, and the dictionary gltf.dict.
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfCompression.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -11,9 +11,11 @@
 #include <fstream>
 
 #include "chart/point_file.h"
+#include "encoded_images.h"
 #include "fuzz/gltf_words.h"
 #include "fuzz/seeds.h"
 #include "image/exr.h"
+#include "image/png.h"
 
 namespace sheen::fuzz {
 namespace {
@@ -61,7 +63,7 @@ void makeForeign(Imf::Compression compression, Imf::PixelType type, const Make& 
     make(header, pixels);
 }
 
-void makeImages(const fs::path& folder) {
+void makeExrs(const fs::path& folder) {
     writeExr(folder / "basic.exr", frame(), ExrLayers::kBasic);
     writeExr(folder / "all.exr", frame(), ExrLayers::kAll);
     for (int compression = 0; compression < Imf::NUM_COMPRESSION_METHODS; ++compression) {
@@ -86,6 +88,28 @@ void makeImages(const fs::path& folder) {
                                             file.numYTiles(level) - 1, level);
                         }
                     });
+    }
+}
+
+void makeImages(const fs::path& folder) {
+    Image<Rgb8> few(kSide, kSide);
+    few.at(3, 4) = {200, 100, 50};
+    Image<Rgb8> many(2 * kSide, kSide);  // more colours than a palette has
+    std::vector<uint8_t> values;
+    for (int i = 0; i < many.count(); ++i) {
+        const auto shade = static_cast<uint8_t>(i);
+        many.pixels[static_cast<size_t>(i)] = {shade, static_cast<uint8_t>(i / 256), 9};
+        values.insert(values.end(), {shade, 100, 50, 200});
+    }
+    writeFile(folder / "palette.png", pngBytes(few));
+    writeFile(folder / "rgb.png", pngBytes(many));
+    for (const int components : {1, 3, 4}) {
+        for (const int flags : {0, TJFLAG_PROGRESSIVE}) {
+            const std::vector<uint8_t> bytes =
+                encodeJpeg(values, 4 * 2 * kSide / components, components, flags);
+            writeFile(folder / fmt::format("{}-{}.jpg", components, flags),
+                      std::string(bytes.begin(), bytes.end()));
+        }
     }
 }
 
@@ -134,7 +158,8 @@ int main(int argc, char** argv) {
     }
     const fs::path root = argv[1];
     for (const auto& [name, make] : {std::pair{"scene", &makeScenes},
-                                     {"exr", &makeImages},
+                                     {"exr", &makeExrs},
+                                     {"image", &makeImages},
                                      {"point", &makePoints},
                                      {"options", &makeOptions}}) {
         fs::create_directories(root / name);

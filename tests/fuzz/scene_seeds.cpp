@@ -1,6 +1,5 @@
 // Small sound scenes that use everything the loader reads.
-#include <tiny_gltf.h>
-
+#include "encoded_images.h"
 #include "fuzz/seeds.h"
 #include "scene_test_gltf.h"
 #include "scenes/all_scenes.h"
@@ -15,27 +14,15 @@ scenes::Picture picture() {
     return picture;
 }
 
-std::string jpegUri() {
-    tinygltf::Image image;
-    image.width = image.height = 8;
-    image.component = 3;
-    image.bits = 8;
-    image.mimeType = "image/jpeg";
-    image.image.assign(8 * 8 * 3, 120);
-    std::string folder;
-    std::string name = "seed.jpg";
-    std::string uri;
-    tinygltf::WriteImageData(&folder, &name, &image, true, &uri, nullptr);
-    return uri;
-}
-
 // The scene with all that is checked, and what it is not.
 GltfFile textured() {
     GltfFile file = sound();
     Json& json = file.json;
     json["images"][0] = {{"bufferView", file.addView(scenes::encodePng(picture()))},
                          {"mimeType", "image/png"}};
-    json["images"].push_back({{"uri", jpegUri()}});
+    const std::vector<uint8_t> grey(8 * 8 * 3, 120);
+    json["images"].push_back(
+        {{"bufferView", file.addView(encodeJpeg(grey, 8, 3))}, {"mimeType", "image/jpeg"}});
     json["textures"].push_back({{"source", 1}});
     json["materials"][0]["pbrMetallicRoughness"] = {{"baseColorTexture", {{"index", 0}}},
                                                     {"metallicFactor", 0.5},
