@@ -114,8 +114,8 @@ TEST(DirectLight, NoLightsNoLight) {
         return s;
     }();
     TestStage stage(scene);
-    for (const vec4& v : stage.gbuffer(32, 32).direct.pixels) {
-        EXPECT_EQ(v, vec4(0.0f));
+    for (const vec3& v : stage.gbuffer(32, 32).direct.pixels) {
+        EXPECT_EQ(v, vec3(0.0f));
     }
 }
 
@@ -126,7 +126,7 @@ TEST(DirectLight, LightFromBehindDoesNotShineThrough) {
     TestStage stage(scene);
     const GBuffer g = stage.gbuffer(lookAt(vec3(0, 2, 0.5f), vec3(0)), 48, 48);
     for (const vec3& v : g.direct.pixels) {
-        EXPECT_EQ(v, vec4(0.0f));
+        EXPECT_EQ(v, vec3(0.0f));
     }
 }
 
