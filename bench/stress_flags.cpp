@@ -223,6 +223,7 @@ void Judge::compareAll() {
     flags_.rel_rmse = c.rel_rmse;
     flags_.bias = c.bias;
     flags_.noise_share = c.noise_share;
+    flags_.known = c.judged;
 }
 
 Flags Judge::judge() {

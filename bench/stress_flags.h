@@ -52,6 +52,7 @@ struct Flags {
     double rel_rmse = 0;     ///< of the indirect layer, docs/metrics.md
     double bias = 0;
     double noise_share = 0;
+    bool known = false;   ///< whether the reference is sure enough for rel_rmse to be known
     Image<uint8_t> mask;  ///< 1: indirect, 2: direct, 4: tile, 8: not judged
 };
 

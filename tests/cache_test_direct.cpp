@@ -24,11 +24,11 @@ class TracedDirect : public testing::TestWithParam<const char*> {};
 TEST_P(TracedDirect, IsTheReferencesButForEdges) {
     const Scene scene = loadScene(fmt::format("{}/{}.glb", SHEEN_SCENES, GetParam()));
     const GBuffer gbuffer = unlit(scene);
-    const Image<vec4> direct = traceDirect(RayCaster(scene), gbuffer);
+    const Image<vec3> direct = traceDirect(RayCaster(scene), gbuffer);
     const Frame truth = firstHits(scene, kSize, kSize);
     int compared = 0, lit = 0, differ = 0;
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
-        EXPECT_EQ(gbuffer.direct.pixels[i], vec4(0.0f));
+        EXPECT_EQ(gbuffer.direct.pixels[i], vec3(0.0f));
         if (truth.primitive.pixels[i] != gbuffer.primitive.pixels[i]) {
             continue;
         }
@@ -58,8 +58,8 @@ TEST(TracedDirect, BlackWithoutLightsOrGeometry) {
     Scene empty;
     empty.cameras.push_back(lookAt(vec3(0.0f), vec3(0, 0, -1)));
     for (const Scene& scene : {dark, empty}) {
-        for (const vec4& pixel : traceDirect(RayCaster(scene), unlit(scene)).pixels) {
-            ASSERT_EQ(pixel, vec4(0.0f));
+        for (const vec3& pixel : traceDirect(RayCaster(scene), unlit(scene)).pixels) {
+            ASSERT_EQ(pixel, vec3(0.0f));
         }
     }
 }

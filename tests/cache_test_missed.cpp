@@ -75,7 +75,7 @@ TEST(LobeLight, NoLobeNoLight) {
 // What a record misses is the lobe's light less what it says of it, and belongs to its material.
 TEST(Placement, RecordsKeepWhatTheyMiss) {
     Stage stage = makeStage(0, 0);
-    stage.gbuffer.f0 = Image<vec4>(kWidth, kHeight, vec4(0.04f));
+    stage.gbuffer.f0 = Image<vec3>(kWidth, kHeight, vec3(0.04f));
     stage.gbuffer.diffuse = Image<vec4>(kWidth, kHeight, vec4(0.1f, 0.1f, 0.1f, 1.0f));
     for (int x = kWidth / 2; x < kWidth; ++x) {
         for (int y = 0; y < kHeight; ++y) {

@@ -114,8 +114,8 @@ TEST(DirectLight, NoLightsNoLight) {
         return s;
     }();
     TestStage stage(scene);
-    for (const vec4& v : stage.gbuffer(32, 32).direct.pixels) {
-        EXPECT_EQ(v, vec4(0.0f));
+    for (const vec3& v : stage.gbuffer(32, 32).direct.pixels) {
+        EXPECT_EQ(v, vec3(0.0f));
     }
 }
 
@@ -125,8 +125,8 @@ TEST(DirectLight, LightFromBehindDoesNotShineThrough) {
     scene.lights.push_back(directionalLight(vec3(0.3f, 1, 0.1f), vec3(5)));
     TestStage stage(scene);
     const GBuffer g = stage.gbuffer(lookAt(vec3(0, 2, 0.5f), vec3(0)), 48, 48);
-    for (const vec4& v : g.direct.pixels) {
-        EXPECT_EQ(v, vec4(0.0f));
+    for (const vec3& v : g.direct.pixels) {
+        EXPECT_EQ(v, vec3(0.0f));
     }
 }
 
@@ -141,7 +141,7 @@ double agreeingShare(const Scene& scene, float tolerance) {
         if (g.primitive.pixels[i] != frame.primitive.pixels[i]) {
             continue;
         }
-        const vec3 a(g.direct.pixels[i]), b = frame.direct.pixels[i];
+        const vec3 a = g.direct.pixels[i], b = frame.direct.pixels[i];
         compared += 1.0;
         agreeing += glm::length(a - b) <= tolerance * (glm::length(b) + 1e-3f) ? 1.0 : 0.0;
     }

@@ -114,7 +114,7 @@ TEST_P(DirectLayer, HoldsItsBoundsAwayFromShadowEdges) {
     const Frame reference = firstHits(scene, kSize, kSize);
     Image<vec3> direct(kSize, kSize);
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
-        direct.pixels[i] = vec3(g.direct.pixels[i]);
+        direct.pixels[i] = g.direct.pixels[i];
     }
     Image<uint32_t> primitive = g.primitive;
     const auto compare = [&] {

@@ -112,6 +112,24 @@ TEST(Splat, OrdersMayMix) {
     expectSame(gpu.specular, cpu.specular, 10.0f, "specular");
 }
 
+TEST(Splat, BandsOfRowsChangeNoBit) {
+    const Scene scene = glossyRoom(0.5f, 0.4f);
+    TestStage stage(scene);
+    const GBuffer g = stage.gbuffer(40, 37);
+    const PixelClasses classes = classifyPixels(scene, g, 0, false);
+    const PixelLobes lobes = buildLobes(g, classes);
+    ASSERT_FALSE(lobes.steps.empty());
+    const RecordCache cache = makeRecords(g, classes, 13, 7);
+    const SplatBuffer whole = splatGpu(stage.pool, g, classes, lobes, cache, kWeight);
+    for (int rows : {1, 5, 36}) {
+        const SplatBuffer bands =
+            splatGpu(stage.pool, g, classes, lobes, cache, kWeight, rows * g.width);
+        EXPECT_EQ(bands.irradiance.pixels, whole.irradiance.pixels) << rows;
+        EXPECT_EQ(bands.specular.pixels, whole.specular.pixels) << rows;
+        EXPECT_EQ(bands.missed.pixels, whole.missed.pixels) << rows;
+    }
+}
+
 TEST(Splat, HugeAndTinyRecords) {
     // Regions of influence that fill the image, hold the camera, or are smaller than a pixel.
     const Scene scene =
@@ -222,7 +240,7 @@ TEST(PixelLobes, AConstantEnvironmentGivesTheAlbedo) {
         const vec3 found = lobes.scale.pixels[p] * convolved;
         const vec3 wo = glm::normalize(g.view.origin - vec3(g.position.pixels[p]));
         const vec2 ab = brdfAlbedo(glm::dot(vec3(g.normal.pixels[p]), wo), g.normal.pixels[p].w);
-        const vec3 expected = vec3(g.f0.pixels[p]) * ab.x + vec3(g.diffuse.pixels[p].w * ab.y);
+        const vec3 expected = g.f0.pixels[p] * ab.x + vec3(g.diffuse.pixels[p].w * ab.y);
         // Two interpolated tables.
         EXPECT_LT(glm::length(found - expected), 0.005f * glm::length(expected));
     }
@@ -249,7 +267,7 @@ TEST(PixelLobes, KeepCoefficientsToHalfAStepAndZerosBehindThem) {
             ++glossy;
             const vec3 n(g.normal.pixels[p]);
             const vec3 wo = glm::normalize(g.view.origin - vec3(g.position.pixels[p]));
-            const vec3 f0(g.f0.pixels[p]);
+            const vec3 f0 = g.f0.pixels[p];
             shared::ShVector exact;
             BrdfRotator(order).rotate(brdfSh(glm::dot(n, wo), g.normal.pixels[p].w),
                                       (f0.x + f0.y + f0.z) / 3.0f, g.diffuse.pixels[p].w, n, wo,
@@ -291,8 +309,8 @@ Composed composeFour(
     g.position = Image<vec4>(4, 1, vec4(0, 0, 0, 1));
     g.normal = Image<vec4>(4, 1, vec4(0, 1, 0, 1));
     g.diffuse = Image<vec4>(4, 1, vec4(0.5f, 0.5f, 0.5f, 0));
-    g.f0 = g.emission = Image<vec4>(4, 1);
-    g.direct = Image<vec4>(4, 1, vec4(1, 2, 3, 0));
+    g.f0 = Image<vec3>(4, 1);
+    g.direct = Image<vec3>(4, 1, vec3(1, 2, 3));
     g.primitive = Image<uint32_t>(4, 1, 0u);
     change(g);
     PixelClasses classes;

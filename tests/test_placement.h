@@ -35,7 +35,8 @@ inline Stage makeStage(int order_left, int order_right, float scale = 1.0f) {
     g.height = kHeight;
     g.view = cameraView(camera, kWidth, kHeight, nearDistance(stage.scene));
     g.pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / kHeight;
-    g.position = g.normal = g.diffuse = g.f0 = Image<vec4>(kWidth, kHeight);
+    g.position = g.normal = g.diffuse = Image<vec4>(kWidth, kHeight);
+    g.f0 = Image<vec3>(kWidth, kHeight);
     g.primitive = Image<uint32_t>(kWidth, kHeight, kNoPrimitive);
     stage.classes.orders = Image<int>(kWidth, kHeight, kNoOrder);
     stage.classes.by_rays = Image<uint8_t>(kWidth, kHeight);

@@ -123,7 +123,7 @@ PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_o
             const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(gbuffer.position.at(x, y)));
             const float NoV = glm::dot(vec3(normal), wo);
             const vec4 diffuse = gbuffer.diffuse.at(x, y);
-            const float share = specularShare(vec3(diffuse), vec3(gbuffer.f0.at(x, y)), diffuse.w,
+            const float share = specularShare(vec3(diffuse), gbuffer.f0.at(x, y), diffuse.w,
                                               brdfAlbedo(NoV, normal.w));
             const LobePrediction& p = predictions().at(NoV, normal.w);
             if (share * p.as_diffuse < kDiffuseBudget) {

@@ -7,10 +7,10 @@
 
 namespace sheen {
 
-Image<vec4> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
+Image<vec3> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
     constexpr int kPacket = RayCaster::kPacket;
     const Scene& scene = rays.scene();
-    Image<vec4> direct(gbuffer.width, gbuffer.height);
+    Image<vec3> direct(gbuffer.width, gbuffer.height);
     parallelFor(gbuffer.height, [&](int y) {
         size_t pixels[kPacket];
         RayCaster::Receiver receivers[kPacket];
@@ -41,12 +41,11 @@ Image<vec4> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
                     const Scatterer surface{.n = vec3(normal),
                                             .brdf = {.diffuse = vec3(diffuse),
                                                      .alpha = shared::alphaFromRoughness(normal.w),
-                                                     .f0 = vec3(gbuffer.f0.pixels[i]),
+                                                     .f0 = gbuffer.f0.pixels[i],
                                                      .f90 = diffuse.w}};
                     direct.pixels[i] +=
-                        vec4(scattered(surface, receivers[k].toward_viewer,
-                                       shared::sampleLight(light, receivers[k].position)),
-                             0.0f);
+                        scattered(surface, receivers[k].toward_viewer,
+                                  shared::sampleLight(light, receivers[k].position));
                 }
             }
         }

@@ -7,7 +7,7 @@
 namespace sheen {
 
 /// Radiance of direct light that each pixel of the G-buffer scatters toward the camera, a shadow
-/// ray from its middle for each light; w is 0. Black where nothing is seen.
-Image<vec4> traceDirect(const RayCaster& rays, const GBuffer& gbuffer);
+/// ray from its middle for each light. Black where nothing is seen.
+Image<vec3> traceDirect(const RayCaster& rays, const GBuffer& gbuffer);
 
 }  // namespace sheen

@@ -49,13 +49,12 @@ vec3 specularAlbedo(const GBuffer& gbuffer, int pixel) {
     const vec4& normal = gbuffer.normal.pixels[i];
     const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(gbuffer.position.pixels[i]));
     const vec2 ab = brdfAlbedo(glm::dot(vec3(normal), wo), normal.w);
-    return vec3(gbuffer.f0.pixels[i]) * ab.x + vec3(gbuffer.diffuse.pixels[i].w * ab.y);
+    return gbuffer.f0.pixels[i] * ab.x + vec3(gbuffer.diffuse.pixels[i].w * ab.y);
 }
 
 PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes) {
     PixelLobes lobes;
     lobes.first = Image<int>(gbuffer.width, gbuffer.height, -1);
-    lobes.scale = Image<vec3>(gbuffer.width, gbuffer.height);
     std::map<int, BrdfRotator> rotators;
     size_t total = 0;
     for (int i = 0; i < gbuffer.width * gbuffer.height; ++i) {
@@ -71,6 +70,9 @@ PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes) {
                          total);
     }
     lobes.steps.resize(total);
+    if (total > 0) {
+        lobes.scale = Image<vec3>(gbuffer.width, gbuffer.height);
+    }
     parallelFor(gbuffer.height, [&](int y) {
         for (int x = 0; x < gbuffer.width; ++x) {
             const int first = lobes.first.at(x, y);
@@ -81,7 +83,7 @@ PixelLobes buildLobes(const GBuffer& gbuffer, const PixelClasses& classes) {
             const vec3 n(normal);
             const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(gbuffer.position.at(x, y)));
             const float NoV = glm::dot(n, wo);
-            const vec3 f0(gbuffer.f0.at(x, y));
+            const vec3 f0 = gbuffer.f0.at(x, y);
             const float f90 = gbuffer.diffuse.at(x, y).w;
             const float mean_f0 = (f0.x + f0.y + f0.z) / 3.0f;
             const BrdfShSample lobe = brdfSh(NoV, normal.w);

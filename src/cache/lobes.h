@@ -24,7 +24,7 @@ namespace sheen {
 struct PixelLobes {
     Image<int> first;  ///< index of a pixel's first coefficient, a multiple of 8; -1: none
     std::vector<int16_t> steps;  ///< [pixel][coefficient], zeros from order^2 to its groups' end
-    Image<vec3> scale;
+    Image<vec3> scale;           ///< empty where no pixel has a lobe
 
     /// A pixel's lobe, before its scale.
     shared::ShVector at(int pixel, int order) const;

@@ -48,7 +48,7 @@ RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses
                                    gbuffer.position.pixels[i].w * gbuffer.pixel_angle),
                     .order = classes.orders.pixels[i]};
     if (!classes.irradiance_only && !classes.isTooGlossy(pixel)) {
-        const vec3 f0(gbuffer.f0.pixels[i]);
+        const vec3 f0 = gbuffer.f0.pixels[i];
         site.lobe = {.alpha = shared::alphaFromRoughness(normal.w),
                      .f0 = (f0.x + f0.y + f0.z) / 3.0f,
                      .f90 = gbuffer.diffuse.pixels[i].w};

@@ -43,7 +43,7 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
     const mat3 frame = tangentFrame(lobe.n);
     const vec3 wo_local = glm::transpose(frame) * lobe.wo;
     const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
-    const vec3 f0(gbuffer.f0.at(at.x, at.y));
+    const vec3 f0 = gbuffer.f0.at(at.x, at.y);
     const float f90 = gbuffer.diffuse.at(at.x, at.y).w;
     const vec3 eye = rays.origin(lobe.position, n_g, lobe.wo);
     const float wanted = rays_share * std::min(params.rays_per_alpha * lobe.alpha,

@@ -1,5 +1,6 @@
 #include "raster/gbuffer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -22,8 +23,10 @@ void writePixel(const Scene& scene, const RayCaster::FirstHit& hit, const vec3& 
     g.position.pixels[i] = vec4(p.position, depth);
     g.normal.pixels[i] = vec4(surface.n, material.roughness);
     g.diffuse.pixels[i] = vec4(surface.brdf.diffuse, surface.brdf.f90);
-    g.f0.pixels[i] = vec4(surface.brdf.f0, 0.0f);
-    g.emission.pixels[i] = vec4(material.emission, 0.0f);
+    g.f0.pixels[i] = surface.brdf.f0;
+    if (!g.emission.empty()) {
+        g.emission.pixels[i] = material.emission;
+    }
     g.primitive.pixels[i] = hit.triangle;
 }
 
@@ -36,9 +39,13 @@ GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, in
     result.height = height;
     result.view = cameraView(camera, width, height, nearDistance(scene));
     result.pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(height);
-    for (Image<vec4>* image : {&result.position, &result.normal, &result.diffuse, &result.f0,
-                               &result.direct, &result.emission}) {
+    for (Image<vec4>* image : {&result.position, &result.normal, &result.diffuse}) {
         *image = Image<vec4>(width, height);
+    }
+    result.f0 = result.direct = Image<vec3>(width, height);
+    if (std::any_of(scene.materials.begin(), scene.materials.end(),
+                    [](const Material& m) { return m.params.emission != vec3(0.0f); })) {
+        result.emission = Image<vec3>(width, height);
     }
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
     parallelFor(height, [&](int y) {
@@ -83,7 +90,7 @@ void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, views.name());
         glBindVertexArray(empty.name());
         drawFullscreen();
-        glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, gbuffer.direct.pixels.data());
+        glReadPixels(0, 0, width, height, GL_RGB, GL_FLOAT, gbuffer.direct.pixels.data());
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
     });
 }

@@ -18,9 +18,9 @@ struct GBuffer {
     Image<vec4> position;  ///< world space; w: depth along the view axis
     Image<vec4> normal;    ///< shading normal, world space; w: perceptual roughness
     Image<vec4> diffuse;   ///< diffuse reflectance toward the camera; w: F90
-    Image<vec4> f0;        ///< specular F0; w: unused
-    Image<vec4> direct;    ///< radiance of direct light; w: unused
-    Image<vec4> emission;  ///< radiance; w: unused
+    Image<vec3> f0;        ///< specular F0
+    Image<vec3> direct;    ///< radiance of direct light
+    Image<vec3> emission;  ///< radiance; empty where no material emits
     Image<uint32_t> primitive;
     float pixel_angle = 0;  ///< width of a pixel at depth 1
 

@@ -62,10 +62,12 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
                       const ComposeParams& params, Frame& frame) {
     const int width = gbuffer.width;
     const int height = gbuffer.height;
-    for (Image<vec3>* image :
-         {&frame.direct, &frame.indirect, &frame.indirect_diffuse, &frame.emission}) {
+    for (Image<vec3>* image : {&frame.direct, &frame.indirect, &frame.indirect_diffuse}) {
         *image = Image<vec3>(width, height);
     }
+    frame.emission = !gbuffer.emission.empty() ? gbuffer.emission
+                     : params.geometry         ? Image<vec3>(width, height)
+                                               : Image<vec3>();
     if (params.geometry) {
         fillGeometry(gbuffer, frame);
     }
@@ -79,10 +81,9 @@ ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const
                 continue;
             }
             const vec4 diffuse = gbuffer.diffuse.at(x, y);
-            const vec3 direct(gbuffer.direct.at(x, y));
+            const vec3 direct = gbuffer.direct.at(x, y);
             frame.direct.at(x, y) = finite(direct) ? direct : vec3(0.0f);
             nonfinite += finite(direct) ? 0 : 1;
-            frame.emission.at(x, y) = vec3(gbuffer.emission.at(x, y));
             const vec4 sum = splat.irradiance.at(x, y);
             frame.weight.at(x, y) = sum.w;
             if (sum.w <= 0.0f) {

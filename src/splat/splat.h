@@ -14,10 +14,15 @@
 
 namespace sheen {
 
+/// Pixels that splatGpu() draws at a time: 100 bytes each, and those of their lobes.
+constexpr int kBandPixels = 1 << 21;
+
 /// Sums over the records.
 struct SplatBuffer {
     Image<vec4> irradiance;  ///< weight * irradiance; w: sum of weights
-    Image<vec4> specular;    ///< weight * lobe convolved, before PixelLobes::scale; w: unused
+    /// weight * lobe convolved, before PixelLobes::scale; w: unused. Empty where no pixel has a
+    /// lobe.
+    Image<vec4> specular;
     /// Over the records on the pixel's own material: weight * recordMissed(), sum of weights; empty
     /// where no record missed anything.
     Image<vec4> missed;
@@ -27,9 +32,12 @@ struct SplatBuffer {
 /// known before anything is gathered.
 void checkSplat(gl::WorkerPool& pool, const PixelLobes& lobes);
 
-/// On the GPU: one quad a record, floating-point blending. checkSplat() must have passed.
+/// On the GPU: one quad a record, floating-point blending. checkSplat() must have passed. So many
+/// pixels are drawn at a time, in whole rows: what OpenGL keeps does not grow beyond theirs, and
+/// the sums do not depend on it.
 SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelClasses& classes,
-                     const PixelLobes& lobes, const RecordCache& cache, const WeightParams& weight);
+                     const PixelLobes& lobes, const RecordCache& cache, const WeightParams& weight,
+                     int band_pixels = kBandPixels);
 
 /// The same on the CPU, slowly: what splatGpu() is tested against.
 SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,

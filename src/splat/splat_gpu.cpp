@@ -1,8 +1,11 @@
 // Passes of instanced quads with floating-point blending: one for irradiance, one for each group of
-// coefficients of the specular lobes (shared/lobe.glsl). Classes are compared by the depth test.
+// coefficients of the specular lobes (shared/lobe.glsl). Classes are compared by the depth test. A
+// large image is drawn in bands of rows: what OpenGL holds of it is then as much as of a small one.
 #include <algorithm>
 #include <cstring>
 #include <functional>
+#include <optional>
+#include <span>
 
 #include "cache/served.h"
 #include "core/error.h"
@@ -104,32 +107,59 @@ Pass specularPass(const RecordCache& cache, int group) {
 // its own and lower ones. Depths lie half a class apart, and whom nothing serves is at 1.
 float classDepth(float order) { return (order + 1.0f) / (shared::SH_MAX_ORDER + 2.0f); }
 
-Image<float> pixelDepths(const PixelClasses& classes, int least_order) {
-    Image<float> depths(classes.orders.width, classes.orders.height, 1.0f);
+// Rows [first, first + rows) of the image, and the coefficients of their lobes, which lie in a row.
+struct Band {
+    int first = 0;
+    int rows = 0;
+    std::span<const int16_t> steps;
+    int first_step = 0;
+};
+
+std::vector<Band> makeBands(const PixelLobes& lobes, int band_pixels) {
+    const int width = lobes.first.width;
+    const int height = lobes.first.height;
+    const int rows = std::clamp(band_pixels / std::max(width, 1), 1, std::max(height, 1));
+    std::vector<Band> bands;
+    for (int y = 0; y < height; y += rows) {
+        bands.push_back({y, std::min(rows, height - y), {}, 0});
+    }
+    size_t end = lobes.steps.size();
+    for (auto band = bands.rbegin(); band != bands.rend(); ++band) {
+        const auto from = lobes.first.pixels.begin() + std::ptrdiff_t{band->first} * width;
+        const auto to = from + std::ptrdiff_t{band->rows} * width;
+        const auto glossy = std::find_if(from, to, [](int first) { return first >= 0; });
+        const size_t begin = glossy == to ? end : static_cast<size_t>(*glossy);
+        band->first_step = static_cast<int>(begin);
+        band->steps = std::span(lobes.steps).subspan(begin, end - begin);
+        end = begin;
+    }
+    return bands;
+}
+
+Image<float> pixelDepths(const PixelClasses& classes, const Band& band, int least_order) {
+    Image<float> depths(classes.orders.width, band.rows, 1.0f);
+    const int* orders = &classes.orders.at(0, band.first);
     for (size_t i = 0; i < depths.pixels.size(); ++i) {
-        const int order = classes.orders.pixels[i];
-        if (order >= least_order) {
-            depths.pixels[i] = classDepth(static_cast<float>(order) - 0.5f);
+        if (orders[i] >= least_order) {
+            depths.pixels[i] = classDepth(static_cast<float>(orders[i]) - 0.5f);
         }
     }
     return depths;
 }
 
-// Corners of the records' quads in clip space.
-std::vector<vec4> clipBounds(const GBuffer& gbuffer, const RecordCache& cache,
-                             const WeightParams& weight) {
+// The pixels that records may reach.
+std::vector<PixelRect> reachedByAll(const GBuffer& gbuffer, const RecordCache& cache,
+                                    const WeightParams& weight) {
     constexpr int kGrain = 64;
-    const vec4 size(gbuffer.width, gbuffer.height, gbuffer.width, gbuffer.height);
-    std::vector<vec4> bounds(cache.records.size());
+    std::vector<PixelRect> reached(cache.records.size());
     parallelFor(
-        static_cast<int>(bounds.size()),
+        static_cast<int>(reached.size()),
         [&](int i) {
             const auto k = static_cast<size_t>(i);
-            const PixelRect r = reachedBounds(gbuffer, cache.records[k], weight);
-            bounds[k] = vec4(r.x0, r.y0, r.x1, r.y1) / size * 2.0f - 1.0f;
+            reached[k] = reachedBounds(gbuffer, cache.records[k], weight);
         },
         kGrain);
-    return bounds;
+    return reached;
 }
 
 struct Quads {
@@ -137,16 +167,20 @@ struct Quads {
     std::vector<vec4> data;  // see quad.vert
 };
 
-Quads makeQuads(const Pass& pass, const RecordCache& cache, const std::vector<vec4>& bounds) {
+// Those that reach into the band, with corners in the clip space of the whole image.
+Quads makeQuads(const Pass& pass, const RecordCache& cache, const std::vector<PixelRect>& reached,
+                const Band& band, const ivec2& size) {
+    const vec4 sizes(size.x, size.y, size.x, size.y);
     Quads quads;
-    for (size_t i = 0; i < bounds.size(); ++i) {
+    for (size_t i = 0; i < reached.size(); ++i) {
         const Record& k = cache.records[i];
-        if (k.order < pass.least_order) {
+        const PixelRect& r = reached[i];
+        if (k.order < pass.least_order || r.y1 <= band.first || r.y0 >= band.first + band.rows) {
             continue;
         }
         const size_t first = quads.data.size();
         quads.data.resize(first + 2 + static_cast<size_t>(pass.values));
-        quads.data[first] = bounds[i];
+        quads.data[first] = vec4(r.x0, r.y0, r.x1, r.y1) / sizes * 2.0f - 1.0f;
         quads.data[first + 1].x = classDepth(static_cast<float>(k.order));
         pass.fill(k, &quads.data[first + 2]);
         ++quads.count;
@@ -155,16 +189,48 @@ Quads makeQuads(const Pass& pass, const RecordCache& cache, const std::vector<ve
 }
 
 // Normals beside the texels at which lobes begin.
-Image<uvec4> packNormals(const GBuffer& gbuffer, const PixelLobes& lobes) {
-    Image<uvec4> packed(gbuffer.width, gbuffer.height);
-    parallelFor(gbuffer.height, [&](int y) {
+Image<uvec4> packNormals(const GBuffer& gbuffer, const PixelLobes& lobes, const Band& band) {
+    Image<uvec4> packed(gbuffer.width, band.rows);
+    parallelFor(band.rows, [&](int row) {
+        const int y = band.first + row;
         for (int x = 0; x < gbuffer.width; ++x) {
-            packed.at(x, y) = uvec4(glm::floatBitsToUint(vec3(gbuffer.normal.at(x, y))),
-                                    std::max(lobes.first.at(x, y), 0) / 8);
+            const int lobe = std::max(lobes.first.at(x, y) - band.first_step, 0) / 8;
+            packed.at(x, row) = uvec4(glm::floatBitsToUint(vec3(gbuffer.normal.at(x, y))), lobe);
         }
     });
     return packed;
 }
+
+// What fragments read of the pixels in a band.
+struct Source {
+    gl::Texture positions, normals, lobes, materials;
+    gl::Buffer lobe_buffer;
+
+    Source(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& pixel_lobes,
+           const Band& band)
+        : positions(gl::makeTexture2d(GL_RGBA32F, gbuffer.width, band.rows)),
+          normals(gl::makeTexture2d(GL_RGBA32UI, gbuffer.width, band.rows)),
+          materials(gl::makeTexture2d(GL_R32I, gbuffer.width, band.rows)),
+          lobe_buffer(gl::makeBuffer(band.steps)) {
+        lobes = gl::makeBufferTexture(GL_RGBA32I, lobe_buffer);
+        const auto upload = [&](GLuint unit, const gl::Texture& texture, GLenum format,
+                                GLenum layout, GLenum type, const void* data) {
+            gl::glTextureSubImage2D(texture.name(), 0, 0, 0, gbuffer.width, band.rows, layout, type,
+                                    data);
+            bind(unit, texture, format);
+        };
+        upload(0, positions, GL_RGBA32F, GL_RGBA, GL_FLOAT, &gbuffer.position.at(0, band.first));
+        upload(1, normals, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+               packNormals(gbuffer, pixel_lobes, band).pixels.data());
+        bind(2, lobes, GL_RGBA32I);
+        upload(3, materials, GL_R32I, GL_RED_INTEGER, GL_INT, &classes.materials.at(0, band.first));
+    }
+
+  private:
+    static void bind(GLuint unit, const gl::Texture& texture, GLenum format) {
+        gl::glBindImageTexture(unit, texture.name(), 0, GL_FALSE, 0, GL_READ_ONLY, format);
+    }
+};
 
 // Sums to splat into, with the pixels' classes as their depths.
 struct Target {
@@ -186,22 +252,19 @@ struct Target {
         }
     }
 
-    Image<vec4> read(int sum, int width, int height) const {
+    void read(int sum, const Band& band, Image<vec4>& image) const {
         using namespace gl;
-        Image<vec4> image(width, height);
         glNamedFramebufferReadBuffer(framebuffer.name(),
                                      GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(sum));
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-        glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_FLOAT, image.pixels.data());
+        glReadPixels(0, 0, image.width, band.rows, GL_RGBA, GL_FLOAT, &image.at(0, band.first));
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
-        return image;
     }
 };
 
-void drawPass(const Pass& pass, const gl::Program& program, const PixelClasses& classes,
-              const Quads& quads, const Target& target) {
+void drawPass(const gl::Program& program, const Image<float>& depths, const Quads& quads,
+              const Target& target) {
     using namespace gl;
-    const Image<float> depths = pixelDepths(classes, pass.least_order);
     glTextureSubImage2D(target.depth.name(), 0, 0, 0, depths.width, depths.height,
                         GL_DEPTH_COMPONENT, GL_FLOAT, depths.pixels.data());
     checkTexels(quads.data.size() * sizeof(vec4), "records");
@@ -212,6 +275,99 @@ void drawPass(const Pass& pass, const gl::Program& program, const PixelClasses& 
     program.use();
     glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, quads.count, 0);
 }
+
+// Draws all passes onto a band after the other.
+class Splatter {
+  public:
+    Splatter(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
+             const RecordCache& cache, const WeightParams& weight)
+        : gbuffer_(gbuffer),
+          classes_(classes),
+          lobes_(lobes),
+          cache_(cache),
+          weight_(weight),
+          missed_(
+              std::any_of(cache.records.begin(), cache.records.end(),
+                          [](const Record& k) { return shared::recordMissed(k) != vec3(0.0f); })),
+          passes_{irradiancePass(missed_)},
+          reached_(reachedByAll(gbuffer, cache, weight)) {
+        const std::vector<int>& orders = classes.orders.pixels;
+        const int greatest_order = *std::max_element(orders.begin(), orders.end());
+        for (int i = 0;
+             greatest_order > shared::DIFFUSE_ORDER && i < shared::lobeGroups(greatest_order);
+             ++i) {
+            passes_.push_back(specularPass(cache, i));
+        }
+    }
+
+    SplatBuffer run(int band_pixels) {
+        const auto whole = [&](bool wanted) {
+            return wanted ? Image<vec4>(gbuffer_.width, gbuffer_.height) : Image<vec4>();
+        };
+        SplatBuffer result{whole(true), whole(passes_.size() > 1), whole(missed_)};
+        gl::glEnable(GL_BLEND);
+        gl::glBlendFunc(GL_ONE, GL_ONE);
+        gl::glEnable(GL_DEPTH_TEST);
+        gl::glDepthMask(GL_FALSE);
+        for (const Band& band : makeBands(lobes_, band_pixels)) {
+            draw(band, result);
+        }
+        gl::glDepthMask(GL_TRUE);
+        gl::glDisable(GL_DEPTH_TEST);
+        gl::glDisable(GL_BLEND);
+        return result;
+    }
+
+  private:
+    void draw(const Band& band, SplatBuffer& result) {
+        const Source source(gbuffer_, classes_, lobes_, band);
+        const Target irradiance(gbuffer_.width, band.rows, missed_ ? 2 : 1);
+        std::optional<Target> specular;
+        if (passes_.size() > 1) {
+            specular.emplace(gbuffer_.width, band.rows, 1);
+        }
+        const gl::VertexArray empty = gl::makeVertexArray();
+        gl::glBindVertexArray(empty.name());
+        gl::glViewport(0, -band.first, gbuffer_.width, gbuffer_.height);
+        for (const Pass& pass : passes_) {
+            const Quads quads =
+                makeQuads(pass, cache_, reached_, band, {gbuffer_.width, gbuffer_.height});
+            drawPass(programOf(pass), pixelDepths(classes_, band, pass.least_order), quads,
+                     pass.least_order == shared::DIFFUSE_ORDER ? irradiance : *specular);
+        }
+        irradiance.read(0, band, result.irradiance);
+        if (specular) {
+            specular->read(0, band, result.specular);
+        }
+        if (missed_) {
+            irradiance.read(1, band, result.missed);
+        }
+    }
+
+    // All but the first group's are the same.
+    const gl::Program& programOf(const Pass& pass) {
+        auto found = std::find_if(programs_.begin(), programs_.end(),
+                                  [&](const auto& known) { return known.first == pass.defines; });
+        if (found == programs_.end()) {
+            gl::Program program("splat/quad.vert", pass.fragment, pass.defines);
+            program.set("weight", vec4(weight_.accuracy, weight_.normal_weight, weight_.slab,
+                                       gbuffer_.pixel_angle));
+            programs_.emplace_back(pass.defines, std::move(program));
+            found = std::prev(programs_.end());
+        }
+        return found->second;
+    }
+
+    const GBuffer& gbuffer_;
+    const PixelClasses& classes_;
+    const PixelLobes& lobes_;
+    const RecordCache& cache_;
+    const WeightParams& weight_;
+    const bool missed_;
+    std::vector<Pass> passes_;
+    const std::vector<PixelRect> reached_;
+    std::vector<std::pair<std::vector<std::string>, gl::Program>> programs_;
+};
 
 }  // namespace
 
@@ -230,79 +386,21 @@ void checkSplat(gl::WorkerPool& pool, const PixelLobes& lobes) {
         check_components(GL_MAX_VARYING_COMPONENTS, 4 * kVaryings);
         check_components(GL_MAX_FRAGMENT_INPUT_COMPONENTS, 4 * kVaryings);
         check_components(GL_MAX_VERTEX_OUTPUT_COMPONENTS, 4 * (kVaryings + 1));  // gl_Position
-        checkTexels(lobes.steps.size() * sizeof(int16_t), "the lobes of glossy pixels");
+        for (const Band& band : makeBands(lobes, kBandPixels)) {
+            checkTexels(band.steps.size_bytes(), "the lobes of glossy pixels");
+        }
     });
 }
 
 SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelClasses& classes,
-                     const PixelLobes& lobes, const RecordCache& cache,
-                     const WeightParams& weight) {
-    using namespace gl;
-    const int width = gbuffer.width;
-    const int height = gbuffer.height;
+                     const PixelLobes& lobes, const RecordCache& cache, const WeightParams& weight,
+                     int band_pixels) {
     if (cache.records.empty()) {
-        return {Image<vec4>(width, height), Image<vec4>(width, height), {}};
+        return {Image<vec4>(gbuffer.width, gbuffer.height), {}, {}};
     }
-    const std::vector<int>& orders = classes.orders.pixels;
-    const int greatest_order = *std::max_element(orders.begin(), orders.end());
-    const bool missed =
-        std::any_of(cache.records.begin(), cache.records.end(),
-                    [](const Record& k) { return shared::recordMissed(k) != vec3(0.0f); });
-    std::vector<Pass> passes = {irradiancePass(missed)};
-    for (int i = 0;
-         greatest_order > shared::DIFFUSE_ORDER && i < shared::lobeGroups(greatest_order); ++i) {
-        passes.push_back(specularPass(cache, i));
-    }
-    const std::vector<vec4> bounds = clipBounds(gbuffer, cache, weight);
-    Image<uvec4> normals = packNormals(gbuffer, lobes);
     SplatBuffer result;
-    pool.runOnFirst([&] {
-        const gl::Texture position_texture = makeTexture2d(GL_RGBA32F, width, height);
-        const gl::Texture normal_texture = makeTexture2d(GL_RGBA32UI, width, height);
-        glTextureSubImage2D(position_texture.name(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT,
-                            gbuffer.position.pixels.data());
-        glTextureSubImage2D(normal_texture.name(), 0, 0, 0, width, height, GL_RGBA_INTEGER,
-                            GL_UNSIGNED_INT, normals.pixels.data());
-        normals = {};
-        const Buffer lobe_buffer = makeBuffer(std::span<const int16_t>(lobes.steps));
-        const gl::Texture lobe_texture = makeBufferTexture(GL_RGBA32I, lobe_buffer);
-        const auto bind = [](GLuint unit, const gl::Texture& texture, GLenum format) {
-            glBindImageTexture(unit, texture.name(), 0, GL_FALSE, 0, GL_READ_ONLY, format);
-        };
-        bind(0, position_texture, GL_RGBA32F);
-        bind(1, normal_texture, GL_RGBA32UI);
-        bind(2, lobe_texture, GL_RGBA32I);
-        const gl::Texture material_texture = makeTexture2d(GL_R32I, width, height);
-        glTextureSubImage2D(material_texture.name(), 0, 0, 0, width, height, GL_RED_INTEGER, GL_INT,
-                            classes.materials.pixels.data());
-        bind(3, material_texture, GL_R32I);
-        const Target irradiance(width, height, missed ? 2 : 1);
-        const Target specular(width, height, 1);
-        const VertexArray empty = makeVertexArray();
-        glBindVertexArray(empty.name());
-        glViewport(0, 0, width, height);
-        glEnable(GL_BLEND);
-        glBlendFunc(GL_ONE, GL_ONE);
-        glEnable(GL_DEPTH_TEST);
-        glDepthMask(GL_FALSE);
-        Program program;
-        std::vector<std::string> program_defines;
-        for (const Pass& pass : passes) {
-            if (pass.defines != program_defines) {
-                program = Program("splat/quad.vert", pass.fragment, pass.defines);
-                program.set("weight", vec4(weight.accuracy, weight.normal_weight, weight.slab,
-                                           gbuffer.pixel_angle));
-                program_defines = pass.defines;
-            }
-            drawPass(pass, program, classes, makeQuads(pass, cache, bounds),
-                     pass.least_order == shared::DIFFUSE_ORDER ? irradiance : specular);
-        }
-        glDepthMask(GL_TRUE);
-        glDisable(GL_DEPTH_TEST);
-        glDisable(GL_BLEND);
-        result = {irradiance.read(0, width, height), specular.read(0, width, height),
-                  missed ? irradiance.read(1, width, height) : Image<vec4>()};
-    });
+    pool.runOnFirst(
+        [&] { result = Splatter(gbuffer, classes, lobes, cache, weight).run(band_pixels); });
     return result;
 }
 

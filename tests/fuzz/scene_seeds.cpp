@@ -1,4 +1,8 @@
-// Small sound scenes that use everything the loader reads.
+// Small scenes that use everything the loader reads, mends or leaves out.
+#include <tiny_gltf.h>
+
+#include <limits>
+
 #include "encoded_images.h"
 #include "fuzz/seeds.h"
 #include "scene_test_gltf.h"
@@ -77,6 +81,98 @@ GltfFile quantized() {
     return file;
 }
 
+// One of everything that is noted and left out, or mended.
+GltfFile leftOut() {
+    GltfFile file = textured();
+    Json& json = file.json;
+    json["images"].push_back(
+        {{"uri",
+          "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABEAIAAADA54+dAAAA"
+          "D0lEQVR4nGP4/7+BgYERAAz9AoCMYRPtAAAAAElFTkSuQmCC"}});  // 16 bits
+    json["textures"].push_back({{"source", 2}});
+    json["samplers"][0] = {{"magFilter", 9728}, {"wrapS", 33071}, {"wrapT", 33648}};
+    Json& material = json["materials"][0];
+    for (const char* texture : {"normalTexture", "occlusionTexture", "emissiveTexture"}) {
+        material[texture]["index"] = 0;
+    }
+    material["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"] = 2;
+    material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 1;
+    material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] =
+        Json::object();
+    material["alphaMode"] = "BLEND";
+    json["materials"][1]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 2;
+    json["materials"][1]["extensions"]["KHR_materials_specular"]["specularTexture"]["index"] = 0;
+    json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"mode", 1}});
+    Json& primitive = json["meshes"][0]["primitives"][0];
+    primitive["attributes"]["COLOR_0"] = 0;
+    primitive["targets"] = Json::array({{{"POSITION", 0}}});
+    json["nodes"][0]["skin"] = 0;
+    json["nodes"][0]["matrix"] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2};
+    json["cameras"].push_back(
+        {{"type", "orthographic"},
+         {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 9}}}});
+    json["nodes"].push_back({{"camera", 1}});
+    json["nodes"].push_back({{"camera", 0}, {"scale", {0, 0, 0}}});
+    json["extensionsUsed"] = {"KHR_materials_clearcoat"};
+    json["animations"] = Json::array({{{"channels", Json::array()}, {"samplers", Json::array()}}});
+    json["extensions"]["KHR_lights_punctual"]["lights"][0] = {
+        {"type", "spot"},
+        {"color", {1.0, -0.5, 0.2}},
+        {"spot", {{"innerConeAngle", 0.3}, {"outerConeAngle", 0.3}}}};
+    json["extensions"]["KHR_lights_punctual"]["lights"].push_back({{"type", "directional"}});
+    json["nodes"].push_back(
+        {{"scale", {0, 0, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
+    return file;
+}
+
+// Triangles of two materials in one plane, one of them upright in three planes.
+GltfFile coplanar() {
+    GltfFile file;
+    file.json["materials"] = Json::array({{{"name", "a"}},
+                                          {{"name", "b"},
+                                           {"alphaMode", "OPAQUE"},
+                                           {"pbrMetallicRoughness", {{"roughnessFactor", 0.5}}}}});
+    file.addPrimitive({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1})["material"] = 0;
+    file.addPrimitive({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1})["material"] = 1;
+    file.addPrimitive({0, 1, 0, 1, 0, 0, 1, 1, 0})["material"] = 1;
+    return file;
+}
+
+// Integers of every size, normalised and not; zero normals, corners that coincide or are nowhere.
+GltfFile components() {
+    GltfFile file = sound();
+    Json& json = file.json;
+    json["extensionsUsed"] = {"KHR_mesh_quantization"};
+    Json& primitives = json["meshes"][0]["primitives"];
+    const auto accessor = [&](const auto& values, int type, const char* shape, int count,
+                              bool normalized) {
+        const int index = file.addAccessor(values, type, shape, count);
+        json["accessors"].back()["normalized"] = normalized;
+        return index;
+    };
+    constexpr int kShort = 5122;
+    primitives[0]["attributes"]["TEXCOORD_0"] =
+        accessor(std::vector<uint16_t>{0, 0, 65535, 0, 0, 65535}, kUnsignedShort, "VEC2", 2, true);
+    primitives[0]["indices"] =
+        accessor(std::vector<uint32_t>{0, 1, 2}, kUnsignedInt, "SCALAR", 1, false);
+    const int shorts = accessor(std::vector<int16_t>{0, 0, 0, 9, 0, 0, 0, 9, 0, 0, 0, 0}, kShort,
+                                "VEC3", 3, false);
+    const int bytes = accessor(std::vector<int8_t>{0, 0, 127, 0, 127, 0, 0, 0, 0, 0, 0, -128},
+                               kByte, "VEC3", 3, true);
+    const int shares =
+        accessor(std::vector<uint8_t>{0, 0, 255, 0, 0, 255, 9, 9}, kUnsignedByte, "VEC2", 2, true);
+    json["bufferViews"][json["accessors"][shorts]["bufferView"].get<int>()]["byteLength"] = 24;
+    json["accessors"][shorts]["count"] = 4;
+    primitives.push_back(
+        {{"attributes", {{"POSITION", shorts}, {"NORMAL", bytes}, {"TEXCOORD_0", shares}}},
+         {"indices", accessor(std::vector<uint8_t>{0, 1, 2, 1, 2, 3, 0, 3, 1}, kUnsignedByte,
+                              "SCALAR", 1, false)}});
+    constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
+    file.addPrimitive(
+        {0, 0, 0, 1, 0, 0, 2, 0, 0, 0, 0, 0, 1, 0, kNowhere, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1});
+    return file;
+}
+
 // Text, with its buffer beside it and in it.
 std::string asText(GltfFile file, const std::string& uri) {
     file.json["buffers"] = Json::array({{{"byteLength", 36}, {"uri", uri}}});
@@ -91,6 +187,9 @@ std::vector<std::pair<std::string, std::string>> sceneSeeds() {
             {"textured.glb", textured().glb()},
             {"transformed.glb", transformed().glb()},
             {"quantized.glb", quantized().glb()},
+            {"left_out.glb", leftOut().glb()},
+            {"coplanar.glb", coplanar().glb()},
+            {"components.glb", components().glb()},
             {"cornell.glb", std::string(cornell.begin(), cornell.end())},
             {"beside.gltf", asText(oneTriangle(), "data.bin")},
             {"within.gltf", asText(oneTriangle(),
