@@ -26,7 +26,7 @@ constexpr double kNineOfTen = 1.645;
 // The interval's ends differ by this factor at most.
 constexpr double kWidest = 3.0;
 // Rays of a probe's lobe over those of a pixel's.
-constexpr float kLobeRays = 4.0f;
+constexpr float kLobeRays = 1.0f;
 constexpr size_t kNearest = 3;  // records that tell where to look closer
 
 // The square of a pixel's error, in luminance, that is expected before probes tell.

@@ -13,8 +13,8 @@ namespace sheen {
 
 /// Defaults were chosen by measurement (docs/decisions.md).
 struct SpecularParams {
-    float rays_per_alpha = 1920;  ///< a pixel's rays by its lobe's width, in whole packets
-    int max_rays = 192;           ///< a pixel
+    float rays_per_alpha = 7680;  ///< a pixel's rays by its lobe's width, in whole packets
+    int max_rays = 768;           ///< a pixel
     float window = 2;             ///< typical deviation of the windows that share corrected pixels'
                        ///< rays, in pixels: rays see highlights as wide as all of them do
 };
