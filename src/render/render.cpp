@@ -335,14 +335,15 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     return result;
 }
 
-// Bytes that a pixel takes, at the most (docs/stability.md).
-uint64_t bytesPerPixel(const Scene& scene, const RenderParams& params) {
+// Bytes that so many pixels take, at the most (docs/stability.md).
+uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t pixels) {
     constexpr uint64_t kByPaths = 230;
-    constexpr uint64_t kByRecords = 330;
-    constexpr uint64_t kByRays = 320;        // what rays saw and how it is filtered
+    constexpr uint64_t kByRecords = 230;
+    constexpr uint64_t kDrawn = 100;   // what OpenGL holds of pixels that are splatted together
+    constexpr uint64_t kByRays = 320;  // what rays saw and how it is filtered
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
     if (params.method != Method::kRadiance && params.method != Method::kIrradiance) {
-        return kByPaths;
+        return kByPaths * pixels;
     }
     std::vector<bool> used(scene.materials.size(), false);
     for (const uint32_t material : scene.materials_of) {
@@ -354,8 +355,9 @@ uint64_t bytesPerPixel(const Scene& scene, const RenderParams& params) {
             order = std::max(order, materialOrder(scene, scene.materials[i], params.sh_order));
         }
     }
-    return kByRecords + (order > shared::DIFFUSE_ORDER ? kByRays : 0) +
-           kPerCoefficient * static_cast<uint64_t>(order * order);
+    const uint64_t each = kByRecords + (order > shared::DIFFUSE_ORDER ? kByRays : 0) +
+                          kPerCoefficient * static_cast<uint64_t>(order * order);
+    return each * pixels + kDrawn * std::min<uint64_t>(pixels, kBandPixels);
 }
 
 void checkRenderMemory(const Scene& scene, const RenderParams& params) {
@@ -363,7 +365,7 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kPerTriangle = 650;
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
-    checkMemory({.bytes = kProgram + bytesPerPixel(scene, params) * pixels +
+    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) +
                           kPerTriangle * scene.triangles.size(),
                  .threads = threadCount()},
                 fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
