@@ -32,7 +32,9 @@ void appendSites(const RayScene& rays, const Camera& camera, uint32_t seed, int 
         sites.push_back({.position = s.position,
                          .normal = s.n,
                          .geometric_normal = s.n_g,
-                         .toward_viewer = -ray.direction});
+                         .toward_viewer = -ray.direction,
+                         .offset = surfaceOffset(rays.scene(), hit.triangle, s.position, s.n_g,
+                                                 glm::distance(s.position, ray.origin))});
         ++found;
     }
     if (found < count) {

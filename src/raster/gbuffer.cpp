@@ -1,6 +1,8 @@
 #include "raster/gbuffer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/parallel.h"
 #include "image/frame.h"
@@ -12,7 +14,8 @@ namespace {
 // Writes what a pixel sees. A surface at the eye itself has no depth and is not seen.
 void writePixel(const Scene& scene, const RayCaster::FirstHit& hit, const vec3& direction, size_t i,
                 GBuffer& g) {
-    const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction);
+    const SurfacePoint p =
+        surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
     const float depth = glm::dot(vec3(g.view.dual_forward), p.position - g.view.origin);
     if (!(depth > 0.0f)) {
         return;
@@ -34,7 +37,7 @@ GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, in
     GBuffer result;
     result.width = width;
     result.height = height;
-    result.view = cameraView(camera, width, height, nearDistance(scene));
+    result.view = cameraView(camera, width, height);
     result.pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(height);
     for (Image<vec4>* image : {&result.position, &result.normal, &result.diffuse, &result.f0,
                                &result.direct, &result.emission}) {
@@ -93,6 +96,34 @@ vec3 GBuffer::geometricNormalAt(const Scene& scene, int i) const {
     const auto triangle = static_cast<int>(primitive.pixels[pixel]);
     return shared::faceViewer(geometricNormal(scene, triangle),
                               view.origin - vec3(position.pixels[pixel]));
+}
+
+RayCaster::Receiver GBuffer::receiverAt(const Scene& scene, int i) const {
+    const auto pixel = static_cast<size_t>(i);
+    const vec3 p(position.pixels[pixel]);
+    const vec3 n_g = geometricNormalAt(scene, i);
+    const vec3 way = view.origin - p;
+    const float distance = glm::length(way);
+    return {.position = p,
+            .n_g = n_g,
+            .toward_viewer = way / distance,
+            .offset = surfaceOffset(scene, primitive.pixels[pixel], p, n_g, distance)};
+}
+
+float GBuffer::nearestDepth() const {
+    constexpr size_t kFew = 100;  // one of so many
+    std::vector<float> depths;
+    for (const vec4& p : position.pixels) {
+        if (p.w > 0.0f) {
+            depths.push_back(p.w);
+        }
+    }
+    if (depths.empty()) {
+        return 0.0f;
+    }
+    const auto few = depths.begin() + static_cast<ptrdiff_t>(depths.size() / kFew);
+    std::nth_element(depths.begin(), few, depths.end());
+    return *few;
 }
 
 }  // namespace sheen

@@ -27,6 +27,10 @@ struct GBuffer {
     bool seen(int i) const { return position.pixels[static_cast<size_t>(i)].w > 0.0f; }
     /// Unit, of the triangle that pixel i sees, on the camera's side.
     vec3 geometricNormalAt(const Scene& scene, int i) const;
+    /// Where a ray that leaves what pixel i sees starts, and on which side, as offSurface() has it.
+    RayCaster::Receiver receiverAt(const Scene& scene, int i) const;
+    /// The depth that all but a few of the nearest pixels lie beyond; 0 where nothing is seen.
+    float nearestDepth() const;
 };
 
 /// What a ray through each pixel's middle meets first. Direct light is black.

@@ -26,6 +26,7 @@ struct GpuScene {
     std::vector<uint32_t> indices;  ///< into positions, three a triangle
     gl::Buffer triangles;
     std::vector<uint32_t> triangle_of;  ///< of each of the scene's triangles, at the finest level
+    std::vector<uint32_t> scene_triangles;  ///< that each triangle is or came from
     gl::Buffer materials;
     gl::Buffer texels;
     gl::Buffer lights;
@@ -42,9 +43,17 @@ struct GpuScene {
 /// Packs and uploads `scene`; runs on a worker's context.
 GpuScene uploadScene(const Scene& scene);
 
-/// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot and
-/// for a directional light, whose view covers the scene's bounds.
-void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu);
+/// From where the scene is seen, and how near.
+struct Viewpoint {
+    vec3 eye{0.0f};
+    float nearest = kInfinity;  ///< distance of what is nearest to the eye
+};
+
+/// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot. Of a
+/// directional light a view covers the scene's bounds, and where these are much larger than what is
+/// near the eye, others cover boxes around it, each a quarter of the next.
+void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu,
+                      const Viewpoint& from = {});
 
 /// Draws clusters into views; belongs to one worker, whose context is current.
 class ClusterDrawer {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "raster/gpu_scene.h"
 
 namespace sheen {
@@ -22,6 +23,16 @@ constexpr float kLiftTexelsSingle = 1.5f;
 // How much wider than the part it is used for a view is that has neighbours, so that the filter at
 // its edge still finds texels.
 constexpr float kMargin = 1.01f;
+
+// How near a light its views begin, in steps off the surface nearest to it: what it lies on is cut
+// away, however it is rounded, but never what it does not touch.
+constexpr float kNearOverOffset = 4.0f;
+constexpr float kTouching = 0.125f;
+// A box around the eye reaches so many times as far as what is nearest to it; the next is so many
+// times as large, up to the scene's bounds, unless these are hardly larger.
+constexpr float kBoxOverNearest = 8.0f;
+constexpr float kBoxStep = 4.0f;
+constexpr float kHardlyLarger = 2.0f;
 
 bool needsCube(const PunctualLight& light) {
     return light.kind == shared::LIGHT_POINT ||
@@ -58,10 +69,9 @@ void appendSpot(const PunctualLight& light, float near, std::vector<View>& views
     views.back().texel_size = 2.0f * tan_outer;
 }
 
-// The bounds as the light sees them, in tiles x tiles views, row by row as in sunTile() in
-// direct.glsl.
-void appendDirectional(const PunctualLight& light, const Bounds& bounds, int tiles,
-                       std::vector<View>& views) {
+// A box as the light sees it, in tiles x tiles views, row by row as in sunTile() in direct.glsl.
+void appendBox(const PunctualLight& light, const Bounds& bounds, int tiles,
+               std::vector<View>& views) {
     vec3 right;
     vec3 up;
     completeFrame(light.direction, right, up);
@@ -88,20 +98,77 @@ void appendDirectional(const PunctualLight& light, const Bounds& bounds, int til
     }
 }
 
+// The boxes of a directional light's views, the least first.
+std::vector<Bounds> boxesAround(const Viewpoint& from, const Bounds& scene) {
+    std::vector<Bounds> boxes;
+    for (float half = kBoxOverNearest * from.nearest;; half *= kBoxStep) {
+        const Bounds box{.lower = glm::max(from.eye - half, scene.lower),
+                         .upper = glm::min(from.eye + half, scene.upper)};
+        if (!(half > 0.0f) || !(kHardlyLarger * box.size() < scene.size())) {
+            break;
+        }
+        if (glm::all(glm::lessThanEqual(box.lower, box.upper))) {
+            boxes.push_back(box);
+        }
+    }
+    boxes.push_back(scene);
+    return boxes;
+}
+
+void appendDirectional(const PunctualLight& light, const std::vector<Bounds>& boxes, int tiles,
+                       std::vector<View>& views) {
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        const size_t first = views.size();
+        appendBox(light, boxes[i], i == 0 ? tiles : 1, views);
+        for (size_t view = first; view < views.size() && i + 1 < boxes.size(); ++view) {
+            views[view].coarser = static_cast<int>(views.size());
+        }
+    }
+}
+
+// Where a light's views begin.
+float nearOf(const PunctualLight& light, const Scene& scene, const GpuScene& gpu) {
+    uint32_t nearest = 0;
+    float distance = kInfinity;
+    for (const Cluster& cluster : gpu.clusters) {
+        if (glm::distance(cluster.center, light.position) - cluster.radius > distance) {
+            continue;
+        }
+        const LevelOfDetail& finest = cluster.levels[0];
+        for (uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
+            const uint32_t triangle = gpu.scene_triangles[i];
+            const float to_triangle = distanceToTriangle(scene, triangle, light.position);
+            if (to_triangle < distance) {
+                distance = to_triangle;
+                nearest = triangle;
+            }
+        }
+    }
+    if (distance == kInfinity) {
+        return 1.0f;  // there is nothing to draw
+    }
+    const uvec3& t = scene.triangles[nearest];
+    const float edge = glm::distance(scene.positions[t.x], scene.positions[t.y]);
+    const float offset = surfaceOffset(scene, nearest, light.position,
+                                       geometricNormal(scene, static_cast<int>(nearest)), edge);
+    const float near = kNearOverOffset * offset;
+    return distance < kTouching * offset ? near : std::min(near, 0.5f * distance);
+}
+
 // All views of all lights, each light told where its own begin.
-std::vector<View> lightViews(const Scene& scene, int sun_tiles,
-                             std::vector<PunctualLight>& lights) {
+std::vector<View> lightViews(const std::vector<float>& nears, const std::vector<Bounds>& boxes,
+                             int sun_tiles, std::vector<PunctualLight>& lights) {
     std::vector<View> views;
-    const float near = nearDistance(scene);
-    for (PunctualLight& light : lights) {
+    for (size_t i = 0; i < lights.size(); ++i) {
+        PunctualLight& light = lights[i];
         light.first_view = static_cast<int>(views.size());
         if (light.kind == shared::LIGHT_DIRECTIONAL) {
             light.view_tiles = sun_tiles;
-            appendDirectional(light, scene.bounds, sun_tiles, views);
+            appendDirectional(light, boxes, sun_tiles, views);
         } else if (needsCube(light)) {
-            appendCube(light, near, views);
+            appendCube(light, nears[i], views);
         } else {
-            appendSpot(light, near, views);
+            appendSpot(light, nears[i], views);
         }
     }
     return views;
@@ -128,18 +195,24 @@ std::vector<std::string> shadingDefines(const GpuScene& gpu, int taps) {
     return defines;
 }
 
-void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {
+void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu,
+                      const Viewpoint& from) {
     using namespace gl;
     std::vector<PunctualLight> lights = scene.lights;
-    std::vector<View> views = lightViews(scene, 1, lights);
+    std::vector<float> nears(lights.size());
+    parallelFor(static_cast<int>(lights.size()), [&](int i) {
+        nears[static_cast<size_t>(i)] = nearOf(lights[static_cast<size_t>(i)], scene, gpu);
+    });
+    const std::vector<Bounds> boxes = boxesAround(from, scene.bounds);
+    std::vector<View> views = lightViews(nears, boxes, 1, lights);
     int resolution = kMaxResolution;
     while (resolution > kMinResolution && !fits(resolution, views.size())) {
         resolution /= 2;
     }
-    // A directional light's view covers the whole scene: what memory is left makes it finer.
+    // A directional light's least view covers much: what memory is left makes it finer.
     for (int tiles = 2; tiles <= kMaxSunTiles && resolution >= kMinTiledResolution; ++tiles) {
         std::vector<PunctualLight> tiled = scene.lights;
-        std::vector<View> tiled_views = lightViews(scene, tiles, tiled);
+        std::vector<View> tiled_views = lightViews(nears, boxes, tiles, tiled);
         if (tiled_views.size() > views.size() && fits(resolution, tiled_views.size())) {
             lights = std::move(tiled);
             views = std::move(tiled_views);
@@ -176,9 +249,13 @@ void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {
             glBindFramebuffer(GL_FRAMEBUFFER, name);
             const float far_depth = 0.0f;
             glClearNamedFramebufferfv(name, GL_DEPTH, 0, &far_depth);
+            // What lies between the sun and a box shades it, too.
+            const bool parallel = views[static_cast<size_t>(i)].kind == shared::VIEW_PARALLEL;
+            (parallel ? glEnable : glDisable)(GL_DEPTH_CLAMP);
             drawer.draw(i);
             glFinish();
         }
+        glDisable(GL_DEPTH_CLAMP);
         glDisable(GL_DEPTH_TEST);
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
     });

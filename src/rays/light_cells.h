@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "rays/ray_caster.h"
@@ -13,7 +14,9 @@ namespace sheen {
 /// Lambertian. Safe to use from many threads.
 class LightCells {
   public:
-    explicit LightCells(const RayCaster& rays);
+    /// `eye`: from where the scene is seen; what is near there gets small cells, however large the
+    /// scene.
+    explicit LightCells(const RayCaster& rays, const std::optional<vec3>& eye = {});
 
     struct Cell {
         /// Emission, and on a Lambertian surface the light of what reaches all of the cell.

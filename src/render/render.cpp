@@ -144,13 +144,14 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
         gbuffer.direct = traceDirect(*rays, gbuffer);
     } else {
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
-        renderShadowMaps(pool, scene, gpu);
+        renderShadowMaps(pool, scene, gpu,
+                         {.eye = gbuffer.view.origin, .nearest = gbuffer.nearestDepth()});
         lightGBuffer(pool, gpu, gbuffer);
     }
     seconds.shadow = shadow_timer.seconds();
 
     const Timer gather_timer;
-    cells.emplace(*rays);
+    cells.emplace(*rays, gbuffer.view.origin);
     if (classes.anyByRays()) {
         specular = traceSpecular(*rays, &*cells, gbuffer, classes, params.specular);
     }
@@ -160,12 +161,11 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
 // A gatherer of either kind, for as long as a pass lasts.
 class PassGatherer {
   public:
-    PassGatherer(const Scene& scene, Stage& stage, const RenderParams& params,
-                 const HemisphereParams& hemisphere) {
+    PassGatherer(Stage& stage, const RenderParams& params, const HemisphereParams& hemisphere) {
         if (params.gather_road == GatherRoad::kRays) {
             rays_.emplace(*stage.rays, *stage.cells, hemisphere);
         } else {
-            raster_.emplace(stage.pool, scene, stage.gpu, hemisphere);
+            raster_.emplace(stage.pool, stage.gpu, hemisphere);
         }
     }
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) {
@@ -230,7 +230,7 @@ void renderPass(const Scene& scene, const RenderParams& params, float accuracy, 
         hemisphere.extent = gatherExtent(hemisphere.kind);
     }
 
-    PassGatherer gatherer(scene, stage, params, hemisphere);
+    PassGatherer gatherer(stage, params, hemisphere);
     const Timer timer;
     const Placement placement = placeRecords(
         scene, stage.gbuffer, stage.classes, stage.lobes, how,
@@ -361,10 +361,7 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
                 "choose a smaller --size, or fewer --threads below an address limit");
 }
 
-}  // namespace
-
-RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
-    checkRenderMemory(scene, params);
+RenderResult renderByMethod(const Scene& scene, const RenderParams& params) {
     switch (params.method) {
         case Method::kReference:
         case Method::kDenoised:
@@ -376,6 +373,21 @@ RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
             return renderByCache(scene, params);
     }
     throw std::logic_error("unknown method");
+}
+
+}  // namespace
+
+RenderResult renderFrame(const Scene& scene, const RenderParams& params) {
+    checkRenderMemory(scene, params);
+    RenderResult result = renderByMethod(scene, params);
+    // Users know the file's coordinates alone.
+    for (size_t i = 0; i < result.frame.position.pixels.size(); ++i) {
+        if (result.frame.primitive.pixels[i] != kNoPrimitive) {
+            vec3& position = result.frame.position.pixels[i];
+            position = vec3(scene.inFile(position));
+        }
+    }
+    return result;
 }
 
 }  // namespace sheen
