@@ -79,8 +79,8 @@ void project(benchmark::State& state, Setup& setup, int order) {
     std::vector<SeenTexels> texels;
     for (RecordSite& site : sites) {
         site.order = order;
-        texels.push_back(traceTexels(s.scene.rays, hemisphere, tangentFrame(site.normal),
-                                     site.eye(), {}));
+        texels.push_back(
+            traceTexels(s.scene.rays, hemisphere, tangentFrame(site.normal), site.eye(), {}));
     }
     ProjectionMatrices matrices;
     matrices.prepare(hemisphere, sites);

@@ -20,11 +20,14 @@ constexpr HemisphereParams kKinds[] = {
     {.kind = HemisphereKind::kPlane, .size = 48, .extent = 3.0f},
     {.kind = HemisphereKind::kLarsen, .size = 48, .extent = 3.0f}};
 
+constexpr float kOffset = 1e-5f;  // off surfaces of rooms about as large as 1
+
 RecordSite siteAt(const vec3& position, const vec3& n, int order = shared::DIFFUSE_ORDER) {
     return {.position = position,
             .normal = n,
             .geometric_normal = n,
             .toward_viewer = n,
+            .offset = kOffset,
             .order = order};
 }
 

@@ -15,11 +15,14 @@ namespace {
 
 constexpr HemisphereParams kHemicube = {.kind = HemisphereKind::kHemicube, .size = 24};
 
+constexpr float kOffset = 1e-5f;  // off surfaces of rooms about as large as 1
+
 RecordSite siteAt(const vec3& position, const vec3& n, int order = shared::DIFFUSE_ORDER) {
     return {.position = position,
             .normal = n,
             .geometric_normal = n,
             .toward_viewer = n,
+            .offset = kOffset,
             .order = order};
 }
 
