@@ -26,11 +26,7 @@ constexpr float kNearOverLift = 0.08f;
 // the way there, and from nothing else. A quarter of a turn is all there is: layouts have four like
 // sides.
 float turnOf(const RecordSite& site) {
-    uvec3 place((site.toward_viewer + 1.0f) * 0x1p15f);
-    if (getenv("OT"))
-        place = uvec3(max(site.position - vec3(-2, 0, -2), vec3(0)) * (65536.f / 6.2f));
-    if (getenv("SD"))
-        place.z += 100000 * atoi(getenv("SD"));
+    const uvec3 place((site.toward_viewer + 1.0f) * 0x1p15f);
     return 0.5f * kPi * randomPlace(place.x + (place.y << 16u), place.z).x;
 }
 
@@ -157,10 +153,8 @@ void RasterGatherer::upload(Worker& w, std::span<const RecordSite> batch) const 
     std::vector<View> views;
     for (const RecordSite& site : batch) {
         const mat3 frame = tangentFrame(site.normal, turnOf(site));
-        const float F = getenv("FF") ? atof(getenv("FF")) : 1;
-        const vec3 eye =
-            offSurface(site.position, site.geometric_normal, site.toward_viewer, site.offset * F);
-        const float near = kNearOverLift * site.offset * (getenv("FN") ? atof(getenv("FN")) : 1);
+        const vec3 eye = site.eye();
+        const float near = kNearOverLift * site.offset;
         for (const HemisphereFace& f : hemisphere_.faces) {
             views.push_back(
                 perspectiveView(eye, frame * f.right, frame * f.up, frame * f.forward, near));
