@@ -30,6 +30,33 @@ void writePixel(const Scene& scene, const RayCaster::FirstHit& hit, const vec3& 
     g.primitive.pixels[i] = hit.triangle;
 }
 
+// The depth that all but a few of the nearest pixels lie beyond; 0 where nothing is seen.
+float nearestDepth(const GBuffer& gbuffer) {
+    constexpr size_t kFew = 100;  // one of so many
+    std::vector<float> depths;
+    for (const vec4& p : gbuffer.position.pixels) {
+        if (p.w > 0.0f) {
+            depths.push_back(p.w);
+        }
+    }
+    if (depths.empty()) {
+        return 0.0f;
+    }
+    const auto few = depths.begin() + static_cast<ptrdiff_t>(depths.size() / kFew);
+    std::nth_element(depths.begin(), few, depths.end());
+    return *few;
+}
+
+bool contains(const Bounds& box, const vec3& p) {
+    return glm::all(glm::lessThanEqual(box.lower, p)) && glm::all(glm::lessThanEqual(p, box.upper));
+}
+
+// A box about the same centre whose sides are longer by this share of the box's size.
+Bounds grown(const Bounds& box, float share) {
+    const float step = 0.5f * share * box.size();
+    return {.lower = box.lower - step, .upper = box.upper + step};
+}
+
 }  // namespace
 
 GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height) {
@@ -54,6 +81,49 @@ GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, in
         }
     });
     return result;
+}
+
+std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {
+    constexpr float kNear = 8.0f;    // what is seen no farther off than this, over the nearest
+    constexpr float kAround = 1.0f;  // what is not seen, but by records
+    constexpr float kStep = 4.0f;    // a box's surroundings, in sizes of it
+    constexpr float kLarger = 2.0f;  // of a box that is worth having besides
+    const float farthest = kNear * nearestDepth(gbuffer);
+    Bounds box;
+    for (const vec4& p : gbuffer.position.pixels) {
+        if (p.w > 0.0f && p.w <= farthest) {
+            box.add(vec3(p));
+        }
+    }
+    std::vector<Bounds> boxes;
+    for (Bounds around = grown(box, kAround); kLarger * box.size() < scene.bounds.size();
+         around = grown(around, kStep)) {
+        Bounds held = box;
+        const auto hold = [&](const vec3& p) {
+            if (contains(around, p)) {
+                held.add(p);
+            }
+        };
+        for (const vec4& p : gbuffer.position.pixels) {
+            if (p.w > 0.0f) {
+                hold(vec3(p));
+            }
+        }
+        for (const vec3& p : scene.positions) {
+            hold(p);
+        }
+        if (boxes.empty() || held.size() > kLarger * box.size()) {
+            if (kLarger * held.size() >= scene.bounds.size()) {
+                break;
+            }
+            boxes.push_back(held);
+            box = held;
+        }
+        if (!(around.size() < 2.0f * scene.bounds.size() + maxAbs(box.center()))) {
+            break;
+        }
+    }
+    return boxes;
 }
 
 void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer) {
@@ -108,22 +178,6 @@ RayCaster::Receiver GBuffer::receiverAt(const Scene& scene, int i) const {
             .n_g = n_g,
             .toward_viewer = way / distance,
             .offset = surfaceOffset(scene, primitive.pixels[pixel], p, n_g, distance)};
-}
-
-float GBuffer::nearestDepth() const {
-    constexpr size_t kFew = 100;  // one of so many
-    std::vector<float> depths;
-    for (const vec4& p : position.pixels) {
-        if (p.w > 0.0f) {
-            depths.push_back(p.w);
-        }
-    }
-    if (depths.empty()) {
-        return 0.0f;
-    }
-    const auto few = depths.begin() + static_cast<ptrdiff_t>(depths.size() / kFew);
-    std::nth_element(depths.begin(), few, depths.end());
-    return *few;
 }
 
 }  // namespace sheen

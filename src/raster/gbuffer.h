@@ -29,12 +29,14 @@ struct GBuffer {
     vec3 geometricNormalAt(const Scene& scene, int i) const;
     /// Where a ray that leaves what pixel i sees starts, and on which side, as offSurface() has it.
     RayCaster::Receiver receiverAt(const Scene& scene, int i) const;
-    /// The depth that all but a few of the nearest pixels lie beyond; 0 where nothing is seen.
-    float nearestDepth() const;
 };
 
 /// What a ray through each pixel's middle meets first. Direct light is black.
 GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height);
+
+/// Boxes of surfaces, each within the next, from what the camera sees nearest to it on to all but
+/// the scene's bounds: none where these are hardly larger, as where a room is the scene.
+std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer);
 
 /// Lights what it sees directly, by the shadow maps.
 void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer);

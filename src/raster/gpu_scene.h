@@ -43,17 +43,11 @@ struct GpuScene {
 /// Packs and uploads `scene`; runs on a worker's context.
 GpuScene uploadScene(const Scene& scene);
 
-/// From where the scene is seen, and how near.
-struct Viewpoint {
-    vec3 eye{0.0f};
-    float nearest = kInfinity;  ///< distance of what is nearest to the eye
-};
-
-/// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot. Of a
-/// directional light a view covers the scene's bounds, and where these are much larger than what is
-/// near the eye, others cover boxes around it, each a quarter of the next.
+/// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot, and
+/// of a directional light one for each of the boxes `near`, each within the next, and for the
+/// scene's bounds. (Each point is looked up in the least that holds it.)
 void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu,
-                      const Viewpoint& from = {});
+                      const std::vector<Bounds>& near = {});
 
 /// Draws clusters into views; belongs to one worker, whose context is current.
 class ClusterDrawer {

@@ -11,7 +11,8 @@ namespace {
 
 // A spot whose cone is wider than this (60 degrees to each side) is covered by cube faces.
 constexpr float kSpotCubeCosine = 0.5f;
-// Memory of all shadow maps together; the resolution follows from it.
+// Memory of all shadow maps together, and as much again for those of larger boxes; the resolution
+// follows from it.
 constexpr int64_t kShadowBytes = int64_t{256} << 20;
 constexpr int kMinResolution = 256;
 constexpr int kMaxResolution = 4096;
@@ -28,11 +29,6 @@ constexpr float kMargin = 1.01f;
 // away, however it is rounded, but never what it does not touch.
 constexpr float kNearOverOffset = 4.0f;
 constexpr float kTouching = 0.125f;
-// A box around the eye reaches so many times as far as what is nearest to it; the next is so many
-// times as large, up to the scene's bounds, unless these are hardly larger.
-constexpr float kBoxOverNearest = 8.0f;
-constexpr float kBoxStep = 4.0f;
-constexpr float kHardlyLarger = 2.0f;
 
 bool needsCube(const PunctualLight& light) {
     return light.kind == shared::LIGHT_POINT ||
@@ -98,30 +94,13 @@ void appendBox(const PunctualLight& light, const Bounds& bounds, int tiles,
     }
 }
 
-// The boxes of a directional light's views, the least first.
-std::vector<Bounds> boxesAround(const Viewpoint& from, const Bounds& scene) {
-    std::vector<Bounds> boxes;
-    for (float half = kBoxOverNearest * from.nearest;; half *= kBoxStep) {
-        const Bounds box{.lower = glm::max(from.eye - half, scene.lower),
-                         .upper = glm::min(from.eye + half, scene.upper)};
-        if (!(half > 0.0f) || !(kHardlyLarger * box.size() < scene.size())) {
-            break;
-        }
-        if (glm::all(glm::lessThanEqual(box.lower, box.upper))) {
-            boxes.push_back(box);
-        }
-    }
-    boxes.push_back(scene);
-    return boxes;
-}
-
 void appendDirectional(const PunctualLight& light, const std::vector<Bounds>& boxes, int tiles,
                        std::vector<View>& views) {
     for (size_t i = 0; i < boxes.size(); ++i) {
         const size_t first = views.size();
         appendBox(light, boxes[i], i == 0 ? tiles : 1, views);
-        for (size_t view = first; view < views.size() && i + 1 < boxes.size(); ++view) {
-            views[view].coarser = static_cast<int>(views.size());
+        for (size_t view = first; view < views.size(); ++view) {
+            views[view].coarser = i + 1 < boxes.size() ? static_cast<int>(views.size()) : 0;
         }
     }
 }
@@ -196,24 +175,30 @@ std::vector<std::string> shadingDefines(const GpuScene& gpu, int taps) {
 }
 
 void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu,
-                      const Viewpoint& from) {
+                      const std::vector<Bounds>& near) {
     using namespace gl;
     std::vector<PunctualLight> lights = scene.lights;
     std::vector<float> nears(lights.size());
     parallelFor(static_cast<int>(lights.size()), [&](int i) {
         nears[static_cast<size_t>(i)] = nearOf(lights[static_cast<size_t>(i)], scene, gpu);
     });
-    const std::vector<Bounds> boxes = boxesAround(from, scene.bounds);
+    std::vector<Bounds> boxes = near;
+    boxes.push_back(scene.bounds);
     std::vector<View> views = lightViews(nears, boxes, 1, lights);
+    const auto suns = static_cast<size_t>(std::count_if(
+        lights.begin(), lights.end(),
+        [](const PunctualLight& light) { return light.kind == shared::LIGHT_DIRECTIONAL; }));
+    const size_t larger = suns * near.size();  // views of larger boxes than the least
     int resolution = kMaxResolution;
-    while (resolution > kMinResolution && !fits(resolution, views.size())) {
+    while (resolution > kMinResolution &&
+           !(fits(resolution, views.size() - larger) && fits(resolution, larger))) {
         resolution /= 2;
     }
     // A directional light's least view covers much: what memory is left makes it finer.
     for (int tiles = 2; tiles <= kMaxSunTiles && resolution >= kMinTiledResolution; ++tiles) {
         std::vector<PunctualLight> tiled = scene.lights;
         std::vector<View> tiled_views = lightViews(nears, boxes, tiles, tiled);
-        if (tiled_views.size() > views.size() && fits(resolution, tiled_views.size())) {
+        if (tiled_views.size() > views.size() && fits(resolution, tiled_views.size() - larger)) {
             lights = std::move(tiled);
             views = std::move(tiled_views);
         }

@@ -144,8 +144,7 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
         gbuffer.direct = traceDirect(*rays, gbuffer);
     } else {
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
-        renderShadowMaps(pool, scene, gpu,
-                         {.eye = gbuffer.view.origin, .nearest = gbuffer.nearestDepth()});
+        renderShadowMaps(pool, scene, gpu, nearBoxes(scene, gbuffer));
         lightGBuffer(pool, gpu, gbuffer);
     }
     seconds.shadow = shadow_timer.seconds();
