@@ -41,6 +41,7 @@ std::vector<RecordSite> sitesInRoom(int count) {
                                  {{p.x, -1, 0.5f}, {0, 1, 0}},
                                  {{-0.3f, -0.4f, 0.1f * p.z}, {0, 1, 0}}};
         sites.push_back(siteAt(walls[i % 3][0], walls[i % 3][1], i % 2 == 0 ? 0 : 4));
+        sites.back().toward_viewer = glm::normalize(vec3(0.1f, 0.2f, 0.9f) - sites.back().position);
     }
     return sites;
 }
@@ -63,7 +64,7 @@ TEST(RasterGatherer, TheSameBitsForAnyWorkers) {
     }
 }
 
-TEST(RasterGatherer, AFramesTurnFollowsFromThePlaceAlone) {
+TEST(RasterGatherer, AFramesTurnFollowsFromWhereItIsSeenAlone) {
     const Scene scene = glossyRoom();
     std::vector<RecordSite> sites = sitesInRoom(24);
     const std::vector<GatheredRecord> first = gather(scene, sites);

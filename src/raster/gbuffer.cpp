@@ -85,8 +85,8 @@ GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, in
 
 std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {
     constexpr float kNear = 8.0f;    // what is seen no farther off than this, over the nearest
-    constexpr float kAround = 1.0f;  // what is not seen, but by records
-    constexpr float kStep = 4.0f;    // a box's surroundings, in sizes of it
+    constexpr float kAround = 1.0f;  // by what of its size a box grows for what records see
+    constexpr float kStep = 4.0f;    // and to find the next
     constexpr float kLarger = 2.0f;  // of a box that is worth having besides
     const float farthest = kNear * nearestDepth(gbuffer);
     Bounds box;
@@ -95,9 +95,7 @@ std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {
             box.add(vec3(p));
         }
     }
-    std::vector<Bounds> boxes;
-    for (Bounds around = grown(box, kAround); kLarger * box.size() < scene.bounds.size();
-         around = grown(around, kStep)) {
+    const auto held_by = [&](const Bounds& around) {
         Bounds held = box;
         const auto hold = [&](const vec3& p) {
             if (contains(around, p)) {
@@ -109,19 +107,20 @@ std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {
                 hold(vec3(p));
             }
         }
-        for (const vec3& p : scene.positions) {
-            hold(p);
-        }
-        if (boxes.empty() || held.size() > kLarger * box.size()) {
-            if (kLarger * held.size() >= scene.bounds.size()) {
-                break;
-            }
+        std::for_each(scene.positions.begin(), scene.positions.end(), hold);
+        return held;
+    };
+    std::vector<Bounds> boxes;
+    Bounds around = grown(box, kAround);
+    while (box.size() > 0.0f && kLarger * box.size() < scene.bounds.size() &&
+           !(contains(around, scene.bounds.lower) && contains(around, scene.bounds.upper))) {
+        const Bounds held = held_by(around);
+        if (kLarger * held.size() < scene.bounds.size() &&
+            (boxes.empty() || held.size() > kLarger * box.size())) {
             boxes.push_back(held);
             box = held;
         }
-        if (!(around.size() < 2.0f * scene.bounds.size() + maxAbs(box.center()))) {
-            break;
-        }
+        around = grown(around, kStep);
     }
     return boxes;
 }

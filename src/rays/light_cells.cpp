@@ -9,11 +9,10 @@
 namespace sheen {
 namespace {
 
-// How long a cell may be: this share of the scene's size, or that of the triangle's distance from
-// the eye where that is less, as in a room below a sky; more where all cells together would exceed
-// their budget. An edge is divided no more often than one as long as the scene is.
+// How long a cell may be: this share of the size of the scene, or of the least box around what is
+// near that the triangle reaches into; more where all cells together would exceed their budget. An
+// edge is divided no more often than one as long as the box is.
 constexpr float kLengthOfSize = 1.0f / 256.0f;
-constexpr float kLengthOfDistance = 1.0f / 16.0f;
 constexpr float kMostOfEdge = 256.0f;
 constexpr size_t kBudget = 1 << 22;
 
@@ -96,15 +95,22 @@ struct Grid {
 
 // How often a triangle's edges are divided, of each triangle: at most into kMostOfEdge, and where
 // the budget does not allow that, all less often by one factor.
-std::vector<uint32_t> divisions(const Scene& scene, const std::optional<vec3>& eye) {
+std::vector<uint32_t> divisions(const Scene& scene, const std::vector<Bounds>& near) {
     const auto count = static_cast<size_t>(scene.triangleCount());
     std::vector<float> wanted(count);
-    const float of_size = kLengthOfSize * scene.bounds.size();
     for (size_t i = 0; i < count; ++i) {
-        const auto triangle = static_cast<uint32_t>(i);
-        const float distance = eye ? distanceToTriangle(scene, triangle, *eye) : kInfinity;
-        const float length = std::min(of_size, kLengthOfDistance * distance);
-        wanted[i] = std::min(Triangle(scene, triangle).longestEdge() / length, kMostOfEdge);
+        Bounds reach;
+        for (int corner = 0; corner < 3; ++corner) {
+            reach.add(scene.positions[scene.triangles[i][corner]]);
+        }
+        float size = scene.bounds.size();
+        for (const Bounds& box : near) {
+            const bool apart = glm::any(glm::greaterThan(reach.lower, box.upper)) ||
+                               glm::any(glm::greaterThan(box.lower, reach.upper));
+            size = apart ? size : std::min(size, box.size());
+        }
+        const float edge = Triangle(scene, static_cast<uint32_t>(i)).longestEdge();
+        wanted[i] = std::min(edge / (kLengthOfSize * size), kMostOfEdge);
     }
     std::vector<uint32_t> result(count);
     for (float factor = 1.0f;; factor *= 1.1f) {
@@ -126,8 +132,8 @@ struct LightCells::LitTriangle {
     std::vector<Cell> cells[2];
 };
 
-LightCells::LightCells(const RayCaster& rays, const std::optional<vec3>& eye) {
-    const std::vector<uint32_t> n = divisions(rays.scene(), eye);
+LightCells::LightCells(const RayCaster& rays, const std::vector<Bounds>& near) {
+    const std::vector<uint32_t> n = divisions(rays.scene(), near);
     const size_t count = n.size();
     std::vector<LitTriangle> lit(count);
     parallelFor(

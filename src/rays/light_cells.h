@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <optional>
 #include <vector>
 
 #include "rays/ray_caster.h"
@@ -14,9 +13,9 @@ namespace sheen {
 /// Lambertian. Safe to use from many threads.
 class LightCells {
   public:
-    /// `eye`: from where the scene is seen; what is near there gets small cells, however large the
-    /// scene.
-    explicit LightCells(const RayCaster& rays, const std::optional<vec3>& eye = {});
+    /// `near`: boxes around what is near whoever sees the scene; what lies in one gets cells as
+    /// small as if the box were the scene.
+    explicit LightCells(const RayCaster& rays, const std::vector<Bounds>& near = {});
 
     struct Cell {
         /// Emission, and on a Lambertian surface the light of what reaches all of the cell.

@@ -140,17 +140,18 @@ Stage::Stage(const Scene& scene, const RenderParams& params, StageSeconds& secon
     seconds.gbuffer = gbuffer_timer.seconds();
 
     const Timer shadow_timer;
+    const std::vector<Bounds> near = nearBoxes(scene, gbuffer);
     if (by_rays) {
         gbuffer.direct = traceDirect(*rays, gbuffer);
     } else {
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
-        renderShadowMaps(pool, scene, gpu, nearBoxes(scene, gbuffer));
+        renderShadowMaps(pool, scene, gpu, near);
         lightGBuffer(pool, gpu, gbuffer);
     }
     seconds.shadow = shadow_timer.seconds();
 
     const Timer gather_timer;
-    cells.emplace(*rays, gbuffer.view.origin);
+    cells.emplace(*rays, near);
     if (classes.anyByRays()) {
         specular = traceSpecular(*rays, &*cells, gbuffer, classes, params.specular);
     }

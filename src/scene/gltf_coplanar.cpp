@@ -186,21 +186,28 @@ class Group {
 
 using Lifts = std::map<uint32_t, vec3>;  // of vertices
 
-// Adds what lifts each later triangle's vertices along the normal, over those lifted ones it
-// covers.
+// Adds what lifts each later triangle's vertices along the normal: over those lifted ones it
+// covers, and by as many of its steps as there are layers below it.
 void liftLater(const Scene& scene, std::vector<Pair> pairs, const glm::dvec3& normal,
                Lifts& lifts) {
     std::sort(pairs.begin(), pairs.end(),
               [](const Pair& a, const Pair& b) { return a.later < b.later; });
-    std::map<uint32_t, double> heights;         // of triangles
+    struct Layer {
+        int count = 0;
+        double step = 0.0, height = 0.0;
+    };
+    std::map<uint32_t, Layer> layers;           // of triangles
     std::map<uint32_t, double> vertex_heights;  // the most of a vertex's triangles
     for (const Pair& pair : pairs) {
-        const auto below = heights.find(pair.earlier);
-        double& own = heights[pair.later];
-        own = std::max(own, pair.lift + (below == heights.end() ? 0.0 : below->second));
+        const auto found = layers.find(pair.earlier);
+        const Layer below = found == layers.end() ? Layer{} : found->second;
+        Layer& own = layers[pair.later];
+        own.count = std::max(own.count, below.count + 1);
+        own.step = std::max(own.step, pair.lift);
+        own.height = std::max({own.height, own.count * own.step, below.height + pair.lift});
         for (int c = 0; c < 3; ++c) {
             double& vertex = vertex_heights[scene.triangles[pair.later][c]];
-            vertex = std::max(vertex, own);
+            vertex = std::max(vertex, own.height);
         }
     }
     for (const auto& [vertex, height] : vertex_heights) {

@@ -367,12 +367,13 @@ double levelOf(const PunctualLight& light, const Bounds& bounds) {
     return intensity / (distance * distance);
 }
 
-// The illuminance that a point or spot light brings to what is nearest to it.
+// The illuminance that a point or spot light brings to the vertex nearest to it, but not at it.
 double nearestLevel(const PunctualLight& light, const Scene& scene) {
     double nearest2 = kInfinity;
     for (const vec3& p : scene.positions) {
         const glm::dvec3 way(p - light.position);
-        nearest2 = std::min(nearest2, glm::dot(way, way));
+        const double distance2 = glm::dot(way, way);
+        nearest2 = distance2 > 0.0 ? std::min(nearest2, distance2) : nearest2;
     }
     return brightestChannel(light) / nearest2;
 }
