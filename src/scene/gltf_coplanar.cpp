@@ -186,14 +186,13 @@ class Group {
 
 using Lifts = std::map<uint32_t, vec3>;  // of vertices
 
-// Adds what lifts each later triangle's vertices along the normal: over those lifted ones it
-// covers, and by as many of its steps as there are layers below it.
+// Adds what lifts each later triangle's vertices along the normal: over those lifted ones it covers,
+// by no less than these.
 void liftLater(const Scene& scene, std::vector<Pair> pairs, const glm::dvec3& normal,
                Lifts& lifts) {
     std::sort(pairs.begin(), pairs.end(),
               [](const Pair& a, const Pair& b) { return a.later < b.later; });
     struct Layer {
-        int count = 0;
         double step = 0.0, height = 0.0;
     };
     std::map<uint32_t, Layer> layers;           // of triangles
@@ -202,9 +201,8 @@ void liftLater(const Scene& scene, std::vector<Pair> pairs, const glm::dvec3& no
         const auto found = layers.find(pair.earlier);
         const Layer below = found == layers.end() ? Layer{} : found->second;
         Layer& own = layers[pair.later];
-        own.count = std::max(own.count, below.count + 1);
-        own.step = std::max(own.step, pair.lift);
-        own.height = std::max({own.height, own.count * own.step, below.height + pair.lift});
+        own.step = std::max({own.step, pair.lift, below.step});
+        own.height = std::max(own.height, below.height + own.step);
         for (int c = 0; c < 3; ++c) {
             double& vertex = vertex_heights[scene.triangles[pair.later][c]];
             vertex = std::max(vertex, own.height);
