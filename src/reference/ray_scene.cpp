@@ -14,7 +14,7 @@ namespace {
 // which bound how rounding a hit moves it, and of what the vertices' coordinates add up to along
 // the normal, which bounds how Embree's test of the triangle's plane errs: each of their products
 // with the normal's by a few units. A plane along the axes thus costs nothing, however large it is,
-// and all is the same fraction of the scene whatever the scene's scale. After [PJH23, 6.8.1].
+// and all is the same fraction of the scene whatever the scene's scale. After [PJH23, 6.8].
 constexpr float kOffsetUlps = 32.0f;
 constexpr float kUlp = 0x1p-23f;
 
