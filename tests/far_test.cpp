@@ -8,7 +8,10 @@
 #include <array>
 
 #include "case_scenes.h"
+#include "core/error.h"
 #include "metrics/compare.h"
+#include "raster/gbuffer.h"
+#include "rays/ray_caster.h"
 #include "render/render.h"
 #include "scenes/shapes.h"
 #include "test_folder.h"
@@ -151,6 +154,82 @@ Errors errorsOf(const Frame& test, const Frame& truth, bool diffuse_only) {
                                       &truth.indirect_diffuse_variance)
                             : compare(test.indirect, truth.indirect, &truth.indirect_variance),
             .direct = compare(test.direct, truth.direct, nullptr)};
+}
+
+// The room's corner at -2, 0, -2, as a user is told of it.
+TEST(FarScene, NodesCostNoDigitAndUsersSeeTheFilesCoordinates) {
+    const Point moved(1e7 + 0.25, 3.0, -1e7 + 0.125);
+    const Scene plain = load({.name = "plain"});
+    const Scene far = load({.name = "far", .moved = moved});
+    EXPECT_EQ(plain.origin, dvec3(0.0));
+    ASSERT_EQ(far.positions.size(), plain.positions.size());
+    for (size_t i = 0; i < far.positions.size(); ++i) {
+        EXPECT_LT(glm::distance(far.inFile(far.positions[i]), dvec3(plain.positions[i]) + moved),
+                  1e-6);
+    }
+    EXPECT_LT(
+        glm::distance(far.inFile(far.lights[0].position), dvec3(plain.lights[0].position) + moved),
+        1e-6);
+    EXPECT_LT(glm::distance(far.inFile(vec3(far.cameras[0].world_from_camera[3])),
+                            dvec3(vec3(plain.cameras[0].world_from_camera[3])) + moved),
+              1e-6);
+    RenderParams params = paramsFor(Method::kReference, 4);
+    params.width = params.height = 8;
+    const Frame here = renderFrame(plain, params).frame;
+    const Frame there = renderFrame(far, params).frame;
+    for (size_t i = 0; i < here.position.pixels.size(); ++i) {
+        if (here.primitive.pixels[i] != kNoPrimitive) {
+            EXPECT_LT(glm::distance(dvec3(there.position.pixels[i]),
+                                    dvec3(here.position.pixels[i]) + moved),
+                      2.0);  // floats there are whole
+        }
+    }
+}
+
+// Two rooms, and a camera in each: world space is about the one that is asked for.
+TEST(FarScene, TheChosenCamerasPlaceDecides) {
+    Model both = roomAt({.name = "near"});
+    const Model other = roomAt({.name = "far", .moved = {3e6, 0.0, 0.0}});
+    both.objects.insert(both.objects.end(), other.objects.begin(), other.objects.end());
+    both.cameras.push_back(other.cameras[0]);
+    both.cameras[1].name = "far camera";
+    const TestFolder folder;
+    const std::filesystem::path path = folder.path() / "rooms.glb";
+    writeScene(both, path);
+    EXPECT_EQ(loadScene(path.string()).origin, dvec3(0.0));
+    const Scene far = loadScene(path.string(), "far camera");
+    EXPECT_LT(glm::distance(far.origin, dvec3(both.cameras[1].position)), 1.0);
+    EXPECT_LT(glm::length(vec3(findCamera(far, "far camera").world_from_camera[3])), 1.0f);
+    EXPECT_THROW(loadScene(path.string(), "no such"), Error);
+}
+
+std::vector<Bounds> boxesOf(const Place& place) {
+    const Scene scene = load(place);
+    const RayCaster rays(scene);
+    return nearBoxes(scene, renderGBuffer(rays, scene.cameras[0], kWidth, kHeight));
+}
+
+TEST(NearBoxes, NoneWhereARoomIsTheScene) {
+    EXPECT_TRUE(boxesOf({.name = "plain"}).empty());
+    EXPECT_TRUE(boxesOf({.name = "scaled", .moved = {1e6, 0.0, 0.0}}).empty());
+}
+
+TEST(NearBoxes, HoldTheRoomWhateverIsAroundIt) {
+    const Place places[] = {{.name = "dome", .dome = 1e5},
+                            {.name = "ground", .ground = 1e5},
+                            {.name = "stray", .stray = 1e5}};
+    for (const Place& place : places) {
+        const std::vector<Bounds> boxes = boxesOf(place);
+        ASSERT_FALSE(boxes.empty()) << place.name;
+        for (size_t i = 0; i < boxes.size(); ++i) {
+            const Bounds& within = boxes[i];
+            EXPECT_TRUE(glm::all(glm::lessThanEqual(within.lower, vec3(-2, 0, -2)))) << place.name;
+            EXPECT_TRUE(glm::all(glm::greaterThanEqual(within.upper, vec3(2, 2.5, 2))))
+                << place.name;
+            EXPECT_TRUE(i == 0 || within.size() > 2.0f * boxes[i - 1].size()) << place.name;
+        }
+        EXPECT_LT(boxes[0].size(), 100.0f) << place.name;
+    }
 }
 
 class Far : public testing::TestWithParam<Place> {};
