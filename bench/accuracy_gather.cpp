@@ -60,14 +60,13 @@ YardstickRecords gatherByYardstick(const RayScene& rays, std::span<const RecordS
     YardstickRecords found;
     found.irradiance.resize(sites.size());
     std::vector<Counters> counters(sites.size());
-    const float offset = surfaceOffset(rays.scene());
     parallelFor(static_cast<int>(sites.size()), [&](int index) {
         const auto i = static_cast<size_t>(index);
         Surface p;
         p.position = sites[i].position;
         p.n_g = sites[i].geometric_normal;
         p.n = sites[i].normal;
-        p.offset = offset;
+        p.offset = sites[i].offset;
         found.irradiance[i] =
             gatherRecord(rays, p, strata, static_cast<uint32_t>(index), counters[i]).irradiance;
     });

@@ -150,7 +150,7 @@ void traceLayout(const BenchScenes& scenes, int sites, const Layout& layout,
         how.seed = static_cast<uint32_t>(index);
         how.above = site.geometric_normal;
         const std::vector<vec4> texels =
-            traceTexels(scene.rays, seen_by, tangentFrame(site.normal), scene.eye(site), how).light;
+            traceTexels(scene.rays, seen_by, tangentFrame(site.normal), site.eye(), how).light;
         std::vector<float> light(texels.size());
         std::transform(texels.begin(), texels.end(), light.begin(),
                        [](const vec4& t) { return grey(t); });

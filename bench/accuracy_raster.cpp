@@ -63,7 +63,7 @@ void gatherWays(const BenchScenes& scenes, int sites, std::vector<Way>& ways) {
         const std::span<const RecordSite> of_scene(scene->sites.data(), static_cast<size_t>(sites));
         const GpuStage stage(pool, scene->scene);
         for (Way& way : ways) {
-            RasterGatherer gatherer(pool, scene->scene, stage.gpu, way.params);
+            RasterGatherer gatherer(pool, stage.gpu, way.params);
             gatherer.gather(of_scene.first(1));  // shaders are compiled by their first draw
             const Timer timer;
             for (const GatheredRecord& g : gatherer.gather(of_scene)) {

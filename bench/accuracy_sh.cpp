@@ -36,8 +36,8 @@ class SiteImages {
     }
 
     SphereImage onSurface(uint32_t salt) {
-        const std::vector<vec4> texels = trace(
-            scene_.eye(site_), {.seed = hashCombine(seed_, salt), .above = site_.geometric_normal});
+        const std::vector<vec4> texels =
+            trace(site_.eye(), {.seed = hashCombine(seed_, salt), .above = site_.geometric_normal});
         double inverse = 0.0;
         for (size_t t = 0; t < texels.size(); ++t) {
             inverse += texels[t].w > 0.0f ? sphere_.upper().solid_angles[t] / texels[t].w : 0.0f;
@@ -47,7 +47,7 @@ class SiteImages {
     }
     // After onSurface().
     SphereImage lifted() const {
-        const vec3 eye = scene_.eye(site_);
+        const vec3 eye = site_.eye();
         const vec3 up[] = {site_.geometric_normal};
         vec4 above;
         scene_.rays.cast({.origin = eye, .directions = up}, &above);

@@ -33,6 +33,8 @@ void appendSites(const RayScene& rays, const Camera& camera, uint32_t seed, int 
                          .normal = s.n,
                          .geometric_normal = s.n_g,
                          .toward_viewer = -ray.direction,
+                         .offset = surfaceOffset(rays.scene(), hit.triangle, s.position, s.n_g,
+                                                 glm::distance(s.position, ray.origin)),
                          .seed = pcgHash(static_cast<uint32_t>(sites.size()))});
         ++found;
     }

@@ -26,10 +26,6 @@ struct BenchScene {
     /// Visible points: Owen-scrambled Sobol points over the square images of the scene's cameras,
     /// as many of each camera.
     std::vector<RecordSite> sites;
-
-    vec3 eye(const RecordSite& site) const {
-        return rays.origin(site.position, site.geometric_normal, site.toward_viewer);
-    }
 };
 using BenchScenes = std::vector<std::unique_ptr<BenchScene>>;
 BenchScenes loadBenchScenes(const std::string& folder, const std::vector<std::string>& names,

@@ -67,7 +67,7 @@ void gatherByRays(benchmark::State& state, Setup& setup, const SceneChoice& choi
 void gatherByRaster(benchmark::State& state, Setup& setup, const SceneChoice& choice,
                     const HemisphereParams& params) {
     const GatherScene& s = setup.gatherScene(choice);
-    RasterGatherer gatherer(setup.pool(), s.scene.scene, setup.gpuScene(choice), params);
+    RasterGatherer gatherer(setup.pool(), setup.gpuScene(choice), params);
     measureGather(state, s, gatherer, makeHemisphere(params).texelCount());
 }
 
@@ -79,8 +79,8 @@ void project(benchmark::State& state, Setup& setup, int order) {
     std::vector<SeenTexels> texels;
     for (RecordSite& site : sites) {
         site.order = order;
-        texels.push_back(traceTexels(s.scene.rays, hemisphere, tangentFrame(site.normal),
-                                     s.scene.eye(site), {}));
+        texels.push_back(
+            traceTexels(s.scene.rays, hemisphere, tangentFrame(site.normal), site.eye(), {}));
     }
     ProjectionMatrices matrices;
     matrices.prepare(hemisphere, sites);

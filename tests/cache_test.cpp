@@ -162,7 +162,7 @@ bool meets(const Camera& camera, int width, int height, int x, int y, const Sphe
 // Every pixel whose centre's ray meets the sphere lies in the rectangle. Returns how many do.
 int expectConservative(const Camera& camera, int width, int height, const vec3& center,
                        float radius) {
-    const View view = cameraView(camera, width, height, 1e-4f);
+    const View view = cameraView(camera, width, height);
     const PixelRect rect = sphereBounds(view, width, height, center, radius);
     EXPECT_TRUE(rect.x0 >= 0 && rect.x1 <= width && rect.y0 >= 0 && rect.y1 <= height);
     int seen = 0;
@@ -182,7 +182,7 @@ int expectConservative(const Camera& camera, int width, int height, const vec3& 
 // The same for images too large to try every pixel: those around points of the sphere's outline.
 int expectConservativeAtOutline(const Camera& camera, int size, const Sphere& sphere) {
     constexpr int kPoints = 300;
-    const View view = cameraView(camera, size, size, 1e-4f);
+    const View view = cameraView(camera, size, size);
     const PixelRect rect = sphereBounds(view, size, size, sphere.center, sphere.radius);
     const glm::dmat3 image_from_world = glm::inverse(
         glm::dmat3(glm::dvec3(view.right), glm::dvec3(view.up), glm::dvec3(view.forward)));
@@ -329,7 +329,7 @@ TEST(SlabBounds, HoldTheSlabAndLittleElse) {
     double slab_area = 0.0, sphere_area = 0.0, hull_area = 0.0;
     for (int i = 0; i < 200; ++i) {
         const Camera camera = randomCamera(random, 0.3f, 2.0f);
-        const View view = cameraView(camera, kImage, kImage, 1e-4f);
+        const View view = cameraView(camera, kImage, kImage);
         const float radius = random.uniform(0.05f, 0.6f);
         const float height = radius * random.uniform(0.0f, 0.3f);
         const vec3 center = view.origin +
@@ -387,7 +387,7 @@ TEST(ServedBounds, HoldWhatHasWeight) {
         const Camera camera = randomCamera(random, 0.3f, 2.0f);
         GBuffer gbuffer;
         gbuffer.width = gbuffer.height = 1000;
-        gbuffer.view = cameraView(camera, gbuffer.width, gbuffer.height, 1e-4f);
+        gbuffer.view = cameraView(camera, gbuffer.width, gbuffer.height);
         const WeightParams weight{.accuracy = random.uniform(0.1f, 1.5f),
                                   .normal_weight = random.uniform(1.0f, 6.0f),
                                   .slab = random.uniform(0.0f, 0.2f)};
@@ -432,7 +432,7 @@ TEST(SphereBounds, TheWholeImageAroundTheEyeAndNothingBehindIt) {
     Random random(10);
     for (int i = 0; i < 200; ++i) {
         const Camera camera = randomCamera(random, 0.1f, 3.0f);
-        const View view = cameraView(camera, 40, 30, 1e-4f);
+        const View view = cameraView(camera, 40, 30);
         const float radius = std::pow(10.0f, random.uniform(-3.0f, 3.0f));
         const vec3 toward = random.uniform(0.0f, 0.99f) * radius * random.direction();
         const PixelRect all = sphereBounds(view, 40, 30, view.origin + toward, radius);
@@ -449,7 +449,7 @@ TEST(SphereBounds, TheWholeImageAroundTheEyeAndNothingBehindIt) {
 
 TEST(SphereBounds, TightInFrontAndEmptyBehindOrBeside) {
     const Camera camera = lookAt(vec3(0), vec3(0, 0, -1));
-    const View view = cameraView(camera, 100, 100, 1e-4f);
+    const View view = cameraView(camera, 100, 100);
     const PixelRect front = sphereBounds(view, 100, 100, vec3(0, 0, -10), 0.1f);
     EXPECT_LE(front.x1 - front.x0, 6);
     EXPECT_LE(front.y1 - front.y0, 6);

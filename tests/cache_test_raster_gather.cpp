@@ -33,7 +33,7 @@ std::vector<RecordSite> sitesInRoom(int count) {
 std::vector<GatheredRecord> gather(const Scene& scene, const std::vector<RecordSite>& sites,
                                    const HemisphereParams& params = kHemicube, int workers = 2) {
     TestStage stage(scene, workers);
-    RasterGatherer gatherer(stage.pool, scene, stage.gpu, params);
+    RasterGatherer gatherer(stage.pool, stage.gpu, params);
     return gatherer.gather(sites);
 }
 

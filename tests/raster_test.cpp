@@ -54,7 +54,7 @@ TEST(View, CameraViewSeesTheRaysOfTheCamera) {
     for (const auto& [width, height] : {std::pair(64, 48), std::pair(1, 1), std::pair(300, 7)}) {
         Camera camera = lookAt(random.point(-1.0f, 1.0f), random.point(-1.0f, 1.0f));
         camera.y_fov = random.uniform(0.2f, 2.0f);
-        const View view = cameraView(camera, width, height, 0.01f);
+        const View view = cameraView(camera, width, height);
         for (int i = 0; i < 50; ++i) {
             const float x = random.uniform(0.0f, static_cast<float>(width) - 1.0f);
             const float y = random.uniform(0.0f, static_cast<float>(height) - 1.0f);

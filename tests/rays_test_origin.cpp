@@ -5,29 +5,32 @@
 #include <vector>
 
 #include "rays/ray_caster.h"
+#include "rays/surface_point.h"
 #include "test_scenes.h"
 
 namespace sheen {
 namespace {
 
-// A dim room in a bright one, the whole of size 30; the dim one has its corners at coordinates of
-// up to about 10.
+// A dim room in a bright one, whose size decides nothing. The dim one has its corners at
+// coordinates of up to about 10.
 struct Room {
     Scene scene;
     mat3 turn;
     static constexpr float kHalf = 6.0f;
 
-    explicit Room(const mat3& turn) : turn(turn) {
+    Room(const mat3& turn, float bright_half) : turn(turn) {
         const uint32_t dim = addMaterial(scene, diffuseParams(vec3(0.5f), vec3(0, 1, 0)));
         const uint32_t bright = addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1000, 0, 0)));
         addBox(scene, vec3(-kHalf), vec3(kHalf), dim, true);
-        addBox(scene, vec3(-8.66f), vec3(8.66f), bright, true);
+        addBox(scene, vec3(-bright_half), vec3(bright_half), bright, true);
         scene.bounds = {};
         for (vec3& p : scene.positions) {
             p = turn * p;
             scene.bounds.add(p);
         }
     }
+    // The first triangle of the wall at -kHalf on an axis: addBox() makes walls in pairs.
+    static uint32_t wallTriangle(int axis) { return static_cast<uint32_t>(4 * axis); }
 };
 
 // p with each coordinate moved by an ulp down, not at all, or up.
@@ -55,8 +58,11 @@ void expectInside(const Room& room, int walls, Random& random) {
         for (int wall = 0; wall < walls; ++wall) {
             vec3 n_g(0.0f);
             n_g[wall] = 1.0f;
-            const vec3 start = rays.origin(p, room.turn * n_g, toward_viewer);
-            EXPECT_LT(glm::length(start - p), 1e-4f * room.scene.bounds.size());
+            const vec3 normal = room.turn * n_g;
+            const float offset = surfaceOffset(room.scene, Room::wallTriangle(wall), p, normal,
+                                               glm::length(room.turn * viewer - p));
+            const vec3 start = offSurface(p, normal, toward_viewer, offset);
+            EXPECT_LT(glm::length(start - p), 1e-4f * Room::kHalf);
             std::vector<vec3> directions;
             for (int i = 0; i < 24; ++i) {
                 // The wall's hemisphere, half of it against the other walls.
@@ -74,21 +80,67 @@ void expectInside(const Room& room, int walls, Random& random) {
 
 TEST(RayOrigin, InACornerItStartsInsideTheRoom) {
     Random random(6);
-    expectInside(Room(mat3(1.0f)), 1, random);
-    for (int trial = 0; trial < 15; ++trial) {
-        const Room room(trial == 0 ? mat3(1.0f) : random.rotation());
-        expectInside(room, 2, random);
-        expectInside(room, 3, random);
+    for (const float bright_half : {8.66f, 1e5f}) {
+        expectInside(Room(mat3(1.0f), bright_half), 1, random);
+        for (int trial = 0; trial < 15; ++trial) {
+            const Room room(trial == 0 ? mat3(1.0f) : random.rotation(), bright_half);
+            expectInside(room, 2, random);
+            expectInside(room, 3, random);
+        }
     }
 }
 
 TEST(RayOrigin, SeenByNoOneItLeavesAlongTheNormal) {
-    const Room room(mat3(1.0f));
-    const vec3 start = RayCaster(room.scene).origin(vec3(1, 0, 2), vec3(0, 1, 0), vec3(0.0f));
-    EXPECT_EQ(start.x, 1.0f);
-    EXPECT_EQ(start.z, 2.0f);
-    EXPECT_EQ(start.y, surfaceOffset(room.scene));
-    EXPECT_GT(start.y, 0.0f);
+    const vec3 start = offSurface(vec3(1, 0, 2), vec3(0, 1, 0), vec3(0.0f), 1e-5f);
+    EXPECT_EQ(start, vec3(1, 1e-5f, 2));
+}
+
+// A point as surfacePoint() has it, of triangles of any size and tilt: rays that leave it meet
+// nothing of a plane, which two triangles share.
+TEST(RayOrigin, OffItsOwnPlaneWhateverItsSize) {
+    Random random(7);
+    for (const float size : {1e-3f, 1.0f, 1e3f, 1e6f}) {
+        for (int trial = 0; trial < 200; ++trial) {
+            Scene scene;
+            const mat3 turn = random.rotation();
+            const uint32_t material = addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1.0f)));
+            const vec3 place = random.point(-10.0f, 10.0f);
+            addQuad(scene, place - size * (turn[0] + turn[1]), 2.0f * size * turn[0],
+                    2.0f * size * turn[1], material);
+            const RayCaster rays(scene);
+            const float u = random.uniform(0.0f, 0.5f), v = random.uniform(0.0f, 0.5f);
+            const vec3 wo = random.direction(turn[2]);
+            const SurfacePoint p =
+                surfacePoint(scene, 0, u, v, wo, random.uniform(0.0f, 2.0f) * size);
+            for (const vec3& viewer : {wo, vec3(0.0f)}) {
+                const vec3 start = offSurface(p.position, p.n_g, viewer, p.offset);
+                for (int k = 0; k < 20; ++k) {
+                    EXPECT_FALSE(rays.meetFirst(start, random.direction(p.n_g)))
+                        << "size " << size << ", trial " << trial;
+                }
+            }
+        }
+    }
+}
+
+TEST(RayOrigin, AFloorAlongTheAxesCostsNothingHoweverLargeItIs) {
+    Scene scene;
+    const uint32_t material = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    addQuad(scene, vec3(-1e5f, 0, 1e5f), vec3(2e5f, 0, 0), vec3(0, 0, -2e5f), material);
+    const float offset = surfaceOffset(scene, 0, vec3(1, 0, 2), vec3(0, 1, 0), 3.0f);
+    EXPECT_GT(offset, 0.0f);
+    EXPECT_LT(offset, 1e-4f);
+}
+
+TEST(DistanceToTriangle, ToItsFaceEdgesAndCorners) {
+    Scene scene;
+    addQuad(scene, vec3(0), vec3(2, 0, 0), vec3(0, 2, 0), addMaterial(scene, {}));
+    ASSERT_EQ(scene.positions[scene.triangles[0].y], vec3(2, 0, 0));  // (0 0) (2 0) (2 2)
+    EXPECT_FLOAT_EQ(distanceToTriangle(scene, 0, vec3(1.5f, 0.5f, -3)), 3.0f);
+    EXPECT_FLOAT_EQ(distanceToTriangle(scene, 0, vec3(1, -2, 0)), 2.0f);
+    EXPECT_FLOAT_EQ(distanceToTriangle(scene, 0, vec3(0, 2, 0)), std::sqrt(2.0f));
+    EXPECT_FLOAT_EQ(distanceToTriangle(scene, 0, vec3(5, 6, 0)), 5.0f);
+    EXPECT_FLOAT_EQ(distanceToTriangle(scene, 0, vec3(-3, 0, 4)), 5.0f);
 }
 
 }  // namespace

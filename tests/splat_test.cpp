@@ -305,7 +305,7 @@ Composed composeFour(
     GBuffer g;
     g.width = 4;
     g.height = 1;
-    g.view = cameraView(lookAt(vec3(0, 1, 0), vec3(0)), 4, 1, 0.01f);
+    g.view = cameraView(lookAt(vec3(0, 1, 0), vec3(0)), 4, 1);
     g.position = Image<vec4>(4, 1, vec4(0, 0, 0, 1));
     g.normal = Image<vec4>(4, 1, vec4(0, 1, 0, 1));
     g.diffuse = Image<vec4>(4, 1, vec4(0.5f, 0.5f, 0.5f, 0));

@@ -33,7 +33,7 @@ inline Stage makeStage(int order_left, int order_right, float scale = 1.0f) {
     GBuffer& g = stage.gbuffer;
     g.width = kWidth;
     g.height = kHeight;
-    g.view = cameraView(camera, kWidth, kHeight, nearDistance(stage.scene));
+    g.view = cameraView(camera, kWidth, kHeight);
     g.pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / kHeight;
     g.position = g.normal = g.diffuse = Image<vec4>(kWidth, kHeight);
     g.f0 = Image<vec3>(kWidth, kHeight);

@@ -9,11 +9,14 @@
 
 namespace sheen {
 
+constexpr float kOffset = 1e-5f;  // off surfaces of rooms about as large as 1
+
 inline RecordSite siteAt(const vec3& position, const vec3& n, int order = shared::DIFFUSE_ORDER) {
     return {.position = position,
             .normal = n,
             .geometric_normal = n,
             .toward_viewer = n,
+            .offset = kOffset,
             .order = order};
 }
 

@@ -31,6 +31,12 @@ int sunTile(View first, vec3 p, int tiles) {
     return tile.y * tiles + tile.x;
 }
 
+// Whether a directional light's view has p, with what the filter reads around it.
+bool holds(View view, vec3 p) {
+    vec3 c = viewCoordinates(view, p);
+    return max(abs(c.x), abs(c.y)) * SHADOW_MARGIN < 1.0 && c.z > 0.0 && c.z < 1.0;
+}
+
 // Fraction of the light that reaches p, whose geometric normal n_g faces it. The receiver is lifted
 // along its normal by what a tilted surface varies across the filter's footprint, so that a surface
 // never shadows itself: by half the footprint times the sine of its tilt against the map's plane.
@@ -45,6 +51,10 @@ float lightVisibility(PunctualLight light, vec3 p, vec3 n_g) {
         index += sunTile(shadow_views[index], p, light.view_tiles);
     }
     View view = shadow_views[index];
+    while (view.coarser != 0 && !holds(view, p)) {
+        index = view.coarser;
+        view = shadow_views[index];
+    }
     float along = dot(view.dual_forward, p - view.origin);
     float texel = view.texel_size * (view.kind == VIEW_PARALLEL ? 1.0 : along);
     float tilt = length(cross(n_g, normalize(view.forward)));

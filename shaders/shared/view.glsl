@@ -19,7 +19,7 @@ struct View {
     vec3 up;
     float texel_size; // of a shadow map texel: relative to the distance, or absolute if parallel
     vec3 forward;
-    float pad0;
+    int coarser;      // of a directional light: the view for what this one does not hold; 0: none
     vec3 dual_right;  // rows of the inverse of the matrix (right, up, forward)
     float pad1;
     vec3 dual_up;

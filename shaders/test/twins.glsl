@@ -50,7 +50,7 @@ FN View twinView(IN(vec4) a, IN(vec4) b, IN(vec4) c, int kind) {
     view.up = vec3(b);
     view.texel_size = 0.0f;
     view.forward = vec3(c);
-    view.pad0 = 0.0f;
+    view.coarser = 0;
     view.dual_right = vec3(a);
     view.pad1 = 0.0f;
     view.dual_up = vec3(b);

@@ -11,7 +11,7 @@ namespace {
 constexpr float kSlab = 0.03f;
 // Weight of the angle between normals: 1 in [WRC88, eq. 10]. Measured on curved surfaces.
 constexpr float kTilt = 4.0f;
-constexpr int kDeepest = 24;
+constexpr int kDeepest = 40;
 
 // Whether records of a node may serve p.
 auto reaching(const vec3& p) {
@@ -33,10 +33,10 @@ float wardError(const WardRecord& record, const vec3& p, const vec3& n) {
 }
 
 WardOctree::WardOctree(const Bounds& bounds, float accuracy) : accuracy_(accuracy) {
-    const vec3 extent = bounds.empty() ? vec3(0.0f) : bounds.upper - bounds.lower;
+    // About the origin, its side a power of two: near there all cubes' corners are floats.
     Node root;
-    root.center = bounds.empty() ? vec3(0.0f) : bounds.center();
-    root.half = 0.5f * std::max({extent.x, extent.y, extent.z});
+    const float farthest = std::max(maxAbs(bounds.lower), maxAbs(bounds.upper));
+    root.half = bounds.empty() ? 0.0f : std::exp2(std::ceil(std::log2(farthest)));
     nodes_.push_back(root);
 }
 

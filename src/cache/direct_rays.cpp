@@ -23,11 +23,7 @@ Image<vec3> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
                     continue;
                 }
                 pixels[count] = static_cast<size_t>(i);
-                const vec3 position(gbuffer.position.pixels[pixels[count]]);
-                receivers[count++] = {
-                    .position = position,
-                    .n_g = gbuffer.geometricNormalAt(scene, i),
-                    .toward_viewer = glm::normalize(gbuffer.view.origin - position)};
+                receivers[count++] = gbuffer.receiverAt(scene, i);
             }
             for (const PunctualLight& light : scene.lights) {
                 const uint32_t lit = rays.reached(light, {receivers, count});

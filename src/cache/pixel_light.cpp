@@ -38,13 +38,14 @@ uint32_t seedAt(const Scene& scene, uint32_t triangle, const vec3& position, flo
 RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
                   int pixel) {
     const auto i = static_cast<size_t>(pixel);
-    const vec3 position(gbuffer.position.pixels[i]);
+    const RayCaster::Receiver p = gbuffer.receiverAt(scene, pixel);
     const vec4& normal = gbuffer.normal.pixels[i];
-    RecordSite site{.position = position,
+    RecordSite site{.position = p.position,
                     .normal = vec3(normal),
-                    .geometric_normal = gbuffer.geometricNormalAt(scene, pixel),
-                    .toward_viewer = glm::normalize(gbuffer.view.origin - position),
-                    .seed = seedAt(scene, gbuffer.primitive.pixels[i], position,
+                    .geometric_normal = p.n_g,
+                    .toward_viewer = p.toward_viewer,
+                    .offset = p.offset,
+                    .seed = seedAt(scene, gbuffer.primitive.pixels[i], p.position,
                                    gbuffer.position.pixels[i].w * gbuffer.pixel_angle),
                     .order = classes.orders.pixels[i]};
     if (!classes.irradiance_only && !classes.isTooGlossy(pixel)) {

@@ -49,11 +49,9 @@ struct RasterGatherer::Drawn {
     std::vector<uint32_t> triangles;  // + 1; 0: none
 };
 
-RasterGatherer::RasterGatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
+RasterGatherer::RasterGatherer(gl::WorkerPool& pool, const GpuScene& gpu,
                                const HemisphereParams& params)
     : pool_(pool), gpu_(gpu), hemisphere_(makeHemisphere(params)) {
-    near_ = kNearOverLift * surfaceOffset(scene);
-    lift_ = surfaceOffset(scene);
     const float texel_angle = 2.0f * glm::length(hemisphere_.faces[0].right) /
                               static_cast<float>(hemisphere_.faces[0].width);
     lod_tolerance_ = kLodTexels * texel_angle;
@@ -146,22 +144,15 @@ void RasterGatherer::see(std::span<const RecordSite> sites) {
     });
 }
 
-mat3 RasterGatherer::frameOf(const RecordSite& site) const {
-    return tangentFrame(site.normal, turnOf(site));
-}
-
-vec3 RasterGatherer::eyeOf(const RecordSite& site) const {
-    return offSurface(site.position, site.geometric_normal, site.toward_viewer, lift_);
-}
-
 void RasterGatherer::upload(Worker& w, std::span<const RecordSite> batch) const {
     std::vector<View> views;
     for (const RecordSite& site : batch) {
-        const mat3 frame = frameOf(site);
-        const vec3 eye = eyeOf(site);
+        const mat3 frame = tangentFrame(site.normal, turnOf(site));
+        const vec3 eye = site.eye();
+        const float near = kNearOverLift * site.offset;
         for (const HemisphereFace& f : hemisphere_.faces) {
             views.push_back(
-                perspectiveView(eye, frame * f.right, frame * f.up, frame * f.forward, near_));
+                perspectiveView(eye, frame * f.right, frame * f.up, frame * f.forward, near));
         }
     }
     w.drawer.setViews(gpu_, views, lod_tolerance_);
@@ -213,13 +204,13 @@ void RasterGatherer::seenBy(std::span<const RecordSite> sites, size_t index,
                             SeenTexels& seen) const {
     const Drawn& drawn = drawn_[index / kBatch];
     const RecordSite& site = sites[index];
-    const mat3 frame = frameOf(site);
-    const vec3 eye = eyeOf(site);
+    seen.turn = turnOf(site);
+    const mat3 frame = tangentFrame(site.normal, seen.turn);
+    const vec3 eye = site.eye();
     const vec3 n_g = site.geometric_normal * frame;  // into the record's frame
     const auto width = static_cast<size_t>(hemisphere_.width);
     const size_t in_batch = index % kBatch;
     const size_t records = std::min(sites.size() - (index - in_batch), size_t{kBatch});
-    seen.turn = turnOf(site);
     uint32_t last = 0;  // triangle + 1; neighbouring texels often see the same
     vec3 plane(0.0f);
     for (size_t t = 0; t < seen.light.size(); ++t) {

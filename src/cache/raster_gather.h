@@ -15,8 +15,7 @@ namespace sheen {
 /// GPU scene needs its shadow maps.
 class RasterGatherer {
   public:
-    RasterGatherer(gl::WorkerPool& pool, const Scene& scene, const GpuScene& gpu,
-                   const HemisphereParams& params);
+    RasterGatherer(gl::WorkerPool& pool, const GpuScene& gpu, const HemisphereParams& params);
     ~RasterGatherer();
 
     /// One result a site, in order.
@@ -33,15 +32,11 @@ class RasterGatherer {
     void draw(Worker& w, int records) const;
     void readBack(const Worker& w, int records, Drawn& drawn) const;
     void seenBy(std::span<const RecordSite> sites, size_t index, SeenTexels& seen) const;
-    mat3 frameOf(const RecordSite& site) const;
-    vec3 eyeOf(const RecordSite& site) const;
 
     gl::WorkerPool& pool_;
     const GpuScene& gpu_;
     Hemisphere hemisphere_;
-    float near_ = 0;
     float lod_tolerance_ = 0;  // radians
-    float lift_ = 0;  // from the surface, so that rounding never puts it in front of the eye
     ProjectionMatrices projections_;
     std::vector<std::unique_ptr<Worker>> workers_;
     std::vector<Drawn> drawn_;      // a batch

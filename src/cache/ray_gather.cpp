@@ -348,7 +348,7 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
 RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, uint32_t seed,
                                    std::span<const Contrast> found) const {
     const mat3 frame = tangentFrame(site.normal);
-    const vec3 eye = rays_.origin(site.position, site.geometric_normal, site.toward_viewer);
+    const vec3 eye = site.eye();
     const std::span<const float> weights = weightsFor(h, site.order);
     std::vector<WorldFace> faces;
     for (const HemisphereFace& face : h.faces) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/math.h"
+#include "scene/scene.h"
 
 namespace sheen::shared {
 using namespace glm;
@@ -41,6 +42,7 @@ struct RecordSite {
     vec3 normal{};            ///< shading normal: the hemisphere's pole
     vec3 geometric_normal{};  ///< on the same side
     vec3 toward_viewer{};     ///< unit, to whoever sees the site; zero where no one does
+    float offset = 0;         ///< surfaceOffset()
     /// Of its random numbers. From its place on the surface, never from what was gathered before:
     /// noise then stays where it is when the camera moves.
     uint32_t seed = 0;
@@ -49,6 +51,9 @@ struct RecordSite {
     float reach = 0;         ///< that its record will most likely have, in pixels; 0: not known
     std::vector<Contrast> contrasts = {};  ///< what records nearby found: where to look closer
     bool first = false;                    ///< of the first grid: few have records nearby
+
+    /// From where the site is looked out of.
+    vec3 eye() const { return offSurface(position, geometric_normal, toward_viewer, offset); }
 };
 
 /// SH coefficients of one record, world space: radiance, and its change along the record's tangent

@@ -1,23 +1,27 @@
 #include "cache/record_tree.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sheen {
 namespace {
 
 constexpr size_t kLeafPoints = 16;
-constexpr int kDeepest = 20;  // more than kLeafPoints may lie in one place
+constexpr int kDeepest = 40;  // more than kLeafPoints may lie in one place
 
 }  // namespace
 
-// The diagonal is longer than any side, so that rounding keeps points within the root.
-RecordTree::RecordTree(const Bounds& bounds)
-    : bounds_{.center = bounds.center(), .half = 0.5f * bounds.size()}, nodes_(1) {}
+// A cube about the origin, its side a power of two: the cubes within it, down to those of points
+// near the origin, have their corners at floats.
+RecordTree::RecordTree(const Bounds& bounds) : nodes_(1) {
+    const float farthest = std::max(maxAbs(bounds.lower), maxAbs(bounds.upper));
+    root_.half = bounds.empty() ? 0.0f : std::exp2(std::ceil(std::log2(farthest)));
+}
 
 void RecordTree::insert(const vec3& position, float radius) {
     const auto point = static_cast<uint32_t>(spheres_.size());
     spheres_.emplace_back(position, radius);
-    Cube cube = bounds_;
+    Cube cube = root_;
     uint32_t index = 0;
     for (int depth = 0;; ++depth) {
         nodes_[index].greatest_radius = std::max(nodes_[index].greatest_radius, radius);

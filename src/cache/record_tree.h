@@ -13,6 +13,7 @@ namespace sheen {
 /// what a node knows of them is a bound.
 class RecordTree {
   public:
+    /// `bounds` hold all points.
     explicit RecordTree(const Bounds& bounds);
 
     void insert(const vec3& position, float radius);
@@ -22,7 +23,7 @@ class RecordTree {
     /// is in it.
     template <typename Reaches, typename Visit>
     void visit(const vec3& p, const Reaches& reaches, const Visit& visit) const {
-        visitNode(0, bounds_, p, reaches, visit);
+        visitNode(0, root_, p, reaches, visit);
     }
 
   private:
@@ -76,7 +77,7 @@ class RecordTree {
         }
     }
 
-    Cube bounds_;
+    Cube root_;
     std::vector<Node> nodes_;
     std::vector<vec4> spheres_;
 };

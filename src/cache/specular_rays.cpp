@@ -39,13 +39,14 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
                  uint32_t sample = 0) {
     const Lobe lobe(gbuffer, at);
     const int i = at.y * gbuffer.width + at.x;
-    const vec3 n_g = gbuffer.geometricNormalAt(rays.scene(), i);
+    const RayCaster::Receiver from = gbuffer.receiverAt(rays.scene(), i);
+    const vec3& n_g = from.n_g;
     const mat3 frame = tangentFrame(lobe.n);
     const vec3 wo_local = glm::transpose(frame) * lobe.wo;
     const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
     const vec3 f0 = gbuffer.f0.at(at.x, at.y);
     const float f90 = gbuffer.diffuse.at(at.x, at.y).w;
-    const vec3 eye = rays.origin(lobe.position, n_g, lobe.wo);
+    const vec3 eye = offSurface(from.position, n_g, from.toward_viewer, from.offset);
     const float wanted = rays_share * std::min(params.rays_per_alpha * lobe.alpha,
                                                static_cast<float>(params.max_rays));
     const int rows = std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), 1);

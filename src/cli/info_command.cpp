@@ -64,18 +64,27 @@ Json sceneJson(const std::string& path, const Scene& scene) {
                                   {"intensity", jsonFrom(light.intensity)}});
     }
     for (const Camera& camera : scene.cameras) {
-        json["cameras"].push_back({{"name", camera.name},
-                                   {"position", jsonFrom(vec3(camera.world_from_camera[3]))},
-                                   {"vertical_fov_degrees", camera.y_fov * kDegreesPerRadian}});
+        json["cameras"].push_back(
+            {{"name", camera.name},
+             {"position", jsonFrom(scene.inFile(vec3(camera.world_from_camera[3])))},
+             {"vertical_fov_degrees", camera.y_fov * kDegreesPerRadian}});
     }
     if (!scene.bounds.empty()) {
-        json["bounds"] = {{"lower", jsonFrom(scene.bounds.lower)},
-                          {"upper", jsonFrom(scene.bounds.upper)}};
+        json["bounds"] = {{"lower", jsonFrom(scene.inFile(scene.bounds.lower))},
+                          {"upper", jsonFrom(scene.inFile(scene.bounds.upper))}};
     }
     return json;
 }
 
 std::string textFrom(const vec3& v) { return fmt::format("({:.4g} {:.4g} {:.4g})", v.x, v.y, v.z); }
+
+// A point, in the file's coordinates: to the millimetre, far from their origin.
+std::string placeFrom(const Scene& scene, const vec3& p) {
+    const dvec3 place = scene.inFile(p);
+    return scene.origin == dvec3(0.0)
+               ? textFrom(p)
+               : fmt::format("({:.3f} {:.3f} {:.3f})", place.x, place.y, place.z);
+}
 
 void printScene(const std::string& path, const Scene& scene) {
     fmt::print(
@@ -84,7 +93,8 @@ void printScene(const std::string& path, const Scene& scene) {
         path, scene.triangles.size(), scene.positions.size(), scene.materials.size(),
         scene.textures.size(), scene.lights.size(), scene.cameras.size());
     if (!scene.bounds.empty()) {
-        fmt::print("bounds {} to {}\n", textFrom(scene.bounds.lower), textFrom(scene.bounds.upper));
+        fmt::print("bounds {} to {}\n", placeFrom(scene, scene.bounds.lower),
+                   placeFrom(scene, scene.bounds.upper));
     }
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& material = scene.materials[i];
@@ -108,7 +118,8 @@ void printScene(const std::string& path, const Scene& scene) {
     for (size_t i = 0; i < scene.cameras.size(); ++i) {
         const Camera& camera = scene.cameras[i];
         fmt::print("camera {} {}: at {}, {:.4g} degrees high\n", i, camera.name,
-                   textFrom(vec3(camera.world_from_camera[3])), camera.y_fov * kDegreesPerRadian);
+                   placeFrom(scene, vec3(camera.world_from_camera[3])),
+                   camera.y_fov * kDegreesPerRadian);
     }
 }
 

@@ -56,6 +56,6 @@ void writeJson(const std::string& json_path, const Json& json) {
     file.commit();
 }
 
-Json jsonFrom(const vec3& v) { return Json::array({v.x, v.y, v.z}); }
+Json jsonFrom(const dvec3& v) { return Json::array({v.x, v.y, v.z}); }
 
 }  // namespace sheen::cli

@@ -32,6 +32,6 @@ void checkOutputs(const std::vector<OutputFile>& outputs, const std::vector<std:
 /// Writes `json` to `json_path`, see above. Environment error where it cannot be written.
 void writeJson(const std::string& json_path, const Json& json);
 
-Json jsonFrom(const vec3& v);
+Json jsonFrom(const dvec3& v);
 
 }  // namespace sheen::cli

@@ -361,7 +361,7 @@ ExitCode runRender(RenderOptions& o) {
     setThreadCount(o.threads);
 
     const Timer load;
-    const Scene scene = loadScene(o.scene);
+    const Scene scene = loadScene(o.scene, o.params.camera);
     for (const std::string& warning : scene.warnings) {
         warn(warning);
     }

@@ -1,12 +1,14 @@
 // The vector types of the project and the few helpers GLM has no name for.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <limits>
 
 namespace sheen {
 
+using glm::dvec3;
 using glm::ivec2;
 using glm::ivec3;
 using glm::mat3;
@@ -45,6 +47,10 @@ inline float dotProduct(const float* a, const float* b, size_t n) {
     return sum;
 }
 
+inline float maxAbs(const vec3& p) {
+    return glm::max(std::abs(p.x), glm::max(std::abs(p.y), std::abs(p.z)));
+}
+
 /// Axis-aligned bounds, world space; empty (lower > upper) until a point is added.
 struct Bounds {
     vec3 lower{kInfinity};
@@ -58,6 +64,7 @@ struct Bounds {
     vec3 center() const { return 0.5f * (lower + upper); }
     /// Length of the diagonal: the "scene's size"; 0 when empty.
     float size() const { return empty() ? 0.0f : glm::length(upper - lower); }
+    bool operator==(const Bounds&) const = default;
 };
 
 }  // namespace sheen

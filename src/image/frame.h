@@ -20,7 +20,7 @@ struct Frame {
     // The G-buffer.
     Image<vec3> albedo;         ///< diffuse reflectance toward the camera, 0..1
     Image<vec3> normal;         ///< shading normal, world space, on the camera's side
-    Image<vec3> position;       ///< world space
+    Image<vec3> position;       ///< of a rendered frame, in the coordinates of the scene's file
     Image<float> roughness;     ///< perceptual (glTF)
     Image<float> depth;         ///< along the view axis, scene units; +inf where nothing is seen
     Image<uint32_t> primitive;  ///< triangle index in Scene, or kNoPrimitive

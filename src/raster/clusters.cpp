@@ -12,8 +12,10 @@ namespace {
 
 constexpr size_t kMaxVertices = 255;  // meshoptimizer's limits
 constexpr size_t kMaxTriangles = 512;
-// Tolerated error of the coarser levels, relative to the scene's size.
+// Tolerated error of the coarser levels, relative to the scene's size, or to that of the cluster's
+// surroundings where the scene is far larger than those.
 constexpr float kLevelErrors[kLevelsOfDetail] = {0.0f, 4e-4f, 1.6e-3f, 6.4e-3f};
+constexpr float kSurroundings = 256.0f;  // times the cluster's radius
 // Separate pieces are put into one cluster only while it stays smaller than this share of the
 // scene.
 constexpr float kClusterSize = 0.06f;
@@ -250,12 +252,13 @@ void appendCluster(const Scene& scene, const std::vector<uint32_t>& welded,
     for (const std::vector<uint32_t>& layer : layersOf(welded, patch)) {
         simplifiers.emplace_back(scene, welded, layer);
     }
+    const float size = std::min(scene.bounds.size(), kSurroundings * cluster.radius);
     for (int level = 1; level < kLevelsOfDetail; ++level) {
         cluster.levels[level] = cluster.levels[level - 1];
         std::vector<uvec3> coarse;
         float error = 0.0f;
         for (const Simplifier& simplifier : simplifiers) {
-            float error_of_layer = kLevelErrors[level] * scene.bounds.size();
+            float error_of_layer = kLevelErrors[level] * size;
             const std::vector<uvec3> layer = simplifier.simplify(error_of_layer);
             coarse.insert(coarse.end(), layer.begin(), layer.end());
             error = std::max(error, error_of_layer);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/parallel.h"
 #include "image/frame.h"
@@ -13,7 +14,8 @@ namespace {
 // Writes what a pixel sees. A surface at the eye itself has no depth and is not seen.
 void writePixel(const Scene& scene, const RayCaster::FirstHit& hit, const vec3& direction, size_t i,
                 GBuffer& g) {
-    const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction);
+    const SurfacePoint p =
+        surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
     const float depth = glm::dot(vec3(g.view.dual_forward), p.position - g.view.origin);
     if (!(depth > 0.0f)) {
         return;
@@ -30,6 +32,33 @@ void writePixel(const Scene& scene, const RayCaster::FirstHit& hit, const vec3& 
     g.primitive.pixels[i] = hit.triangle;
 }
 
+// The depth that all but a few of the nearest pixels lie beyond; 0 where nothing is seen.
+float nearestDepth(const GBuffer& gbuffer) {
+    constexpr size_t kFew = 100;  // one of so many
+    std::vector<float> depths;
+    for (const vec4& p : gbuffer.position.pixels) {
+        if (p.w > 0.0f) {
+            depths.push_back(p.w);
+        }
+    }
+    if (depths.empty()) {
+        return 0.0f;
+    }
+    const auto few = depths.begin() + static_cast<ptrdiff_t>(depths.size() / kFew);
+    std::nth_element(depths.begin(), few, depths.end());
+    return *few;
+}
+
+bool contains(const Bounds& box, const vec3& p) {
+    return glm::all(glm::lessThanEqual(box.lower, p)) && glm::all(glm::lessThanEqual(p, box.upper));
+}
+
+// A box about the same centre whose sides are longer by this share of the box's size.
+Bounds grown(const Bounds& box, float share) {
+    const float step = 0.5f * share * box.size();
+    return {.lower = box.lower - step, .upper = box.upper + step};
+}
+
 }  // namespace
 
 GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height) {
@@ -37,7 +66,7 @@ GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, in
     GBuffer result;
     result.width = width;
     result.height = height;
-    result.view = cameraView(camera, width, height, nearDistance(scene));
+    result.view = cameraView(camera, width, height);
     result.pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(height);
     for (Image<vec4>* image : {&result.position, &result.normal, &result.diffuse}) {
         *image = Image<vec4>(width, height);
@@ -58,6 +87,48 @@ GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, in
         }
     });
     return result;
+}
+
+std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {
+    constexpr float kNear = 8.0f;    // what is seen no farther off than this, over the nearest
+    constexpr float kAround = 1.0f;  // by what of its size a box grows for what records see
+    constexpr float kStep = 4.0f;    // and to find the next
+    constexpr float kLarger = 2.0f;  // of a box that is worth having besides
+    const float farthest = kNear * nearestDepth(gbuffer);
+    Bounds box;
+    for (const vec4& p : gbuffer.position.pixels) {
+        if (p.w > 0.0f && p.w <= farthest) {
+            box.add(vec3(p));
+        }
+    }
+    const auto held_by = [&](const Bounds& around) {
+        Bounds held = box;
+        const auto hold = [&](const vec3& p) {
+            if (contains(around, p)) {
+                held.add(p);
+            }
+        };
+        for (const vec4& p : gbuffer.position.pixels) {
+            if (p.w > 0.0f) {
+                hold(vec3(p));
+            }
+        }
+        std::for_each(scene.positions.begin(), scene.positions.end(), hold);
+        return held;
+    };
+    std::vector<Bounds> boxes;
+    Bounds around = grown(box, kAround);
+    while (box.size() > 0.0f && kLarger * box.size() < scene.bounds.size() &&
+           !(contains(around, scene.bounds.lower) && contains(around, scene.bounds.upper))) {
+        const Bounds held = held_by(around);
+        if (kLarger * held.size() < scene.bounds.size() &&
+            (boxes.empty() || held.size() > kLarger * box.size())) {
+            boxes.push_back(held);
+            box = held;
+        }
+        around = grown(around, kStep);
+    }
+    return boxes;
 }
 
 void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer) {
@@ -100,6 +171,18 @@ vec3 GBuffer::geometricNormalAt(const Scene& scene, int i) const {
     const auto triangle = static_cast<int>(primitive.pixels[pixel]);
     return shared::faceViewer(geometricNormal(scene, triangle),
                               view.origin - vec3(position.pixels[pixel]));
+}
+
+RayCaster::Receiver GBuffer::receiverAt(const Scene& scene, int i) const {
+    const auto pixel = static_cast<size_t>(i);
+    const vec3 p(position.pixels[pixel]);
+    const vec3 n_g = geometricNormalAt(scene, i);
+    const vec3 way = view.origin - p;
+    const float distance = glm::length(way);
+    return {.position = p,
+            .n_g = n_g,
+            .toward_viewer = way / distance,
+            .offset = surfaceOffset(scene, primitive.pixels[pixel], p, n_g, distance)};
 }
 
 }  // namespace sheen

@@ -27,10 +27,16 @@ struct GBuffer {
     bool seen(int i) const { return position.pixels[static_cast<size_t>(i)].w > 0.0f; }
     /// Unit, of the triangle that pixel i sees, on the camera's side.
     vec3 geometricNormalAt(const Scene& scene, int i) const;
+    /// Where a ray that leaves what pixel i sees starts, and on which side, as offSurface() has it.
+    RayCaster::Receiver receiverAt(const Scene& scene, int i) const;
 };
 
 /// What a ray through each pixel's middle meets first. Direct light is black.
 GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height);
+
+/// Boxes of surfaces, each within the next, from what the camera sees nearest to it on to all but
+/// the scene's bounds: none where these are hardly larger, as where a room is the scene.
+std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer);
 
 /// Lights what it sees directly, by the shadow maps.
 void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer);

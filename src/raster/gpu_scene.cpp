@@ -145,7 +145,7 @@ void uploadMaterials(const Scene& scene, GpuScene& gpu) {
 GpuScene uploadScene(const Scene& scene) {
     GpuScene gpu;
     gpu.light_count = static_cast<int>(scene.lights.size());
-    const ClusteredMesh mesh = buildClusters(scene);
+    ClusteredMesh mesh = buildClusters(scene);
     gpu.clusters = mesh.clusters;
     // The visibility pass needs only positions: vertices that share one become one.
     std::vector<uint32_t> indices;
@@ -176,6 +176,7 @@ GpuScene uploadScene(const Scene& scene) {
             }
         }
     }
+    gpu.scene_triangles = std::move(mesh.scene_triangles);
     gpu.planes = planesOf(packed);
     gpu.textured = std::any_of(scene.materials.begin(), scene.materials.end(),
                                [](const Material& m) { return m.base_color_texture >= 0; });

@@ -26,6 +26,7 @@ struct GpuScene {
     std::vector<uint32_t> indices;  ///< into positions, three a triangle
     gl::Buffer triangles;
     std::vector<uint32_t> triangle_of;  ///< of each of the scene's triangles, at the finest level
+    std::vector<uint32_t> scene_triangles;  ///< that each triangle is or came from
     gl::Buffer materials;
     gl::Buffer texels;
     gl::Buffer lights;
@@ -42,9 +43,11 @@ struct GpuScene {
 /// Packs and uploads `scene`; runs on a worker's context.
 GpuScene uploadScene(const Scene& scene);
 
-/// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot and
-/// for a directional light, whose view covers the scene's bounds.
-void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu);
+/// Makes the scene's shadow maps: six views for a point light or a wide spot, one for a spot, and
+/// of a directional light one for each of the boxes `near`, each within the next, and for the
+/// scene's bounds. (Each point is looked up in the least that holds it.)
+void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu,
+                      const std::vector<Bounds>& near = {});
 
 /// Draws clusters into views; belongs to one worker, whose context is current.
 class ClusterDrawer {

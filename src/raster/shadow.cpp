@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "raster/gpu_scene.h"
 
 namespace sheen {
@@ -10,7 +11,8 @@ namespace {
 
 // A spot whose cone is wider than this (60 degrees to each side) is covered by cube faces.
 constexpr float kSpotCubeCosine = 0.5f;
-// Memory of all shadow maps together; the resolution follows from it.
+// Memory of all shadow maps together, and as much again for those of larger boxes; the resolution
+// follows from it.
 constexpr int64_t kShadowBytes = int64_t{256} << 20;
 constexpr int kMinResolution = 256;
 constexpr int kMaxResolution = 4096;
@@ -22,6 +24,11 @@ constexpr float kLiftTexelsSingle = 1.5f;
 // How much wider than the part it is used for a view is that has neighbours, so that the filter at
 // its edge still finds texels.
 constexpr float kMargin = 1.01f;
+
+// How near a light its views begin, in steps off the surface nearest to it: what it lies on is cut
+// away, however it is rounded, but never what it does not touch.
+constexpr float kNearOverOffset = 4.0f;
+constexpr float kTouching = 0.125f;
 
 bool needsCube(const PunctualLight& light) {
     return light.kind == shared::LIGHT_POINT ||
@@ -58,10 +65,9 @@ void appendSpot(const PunctualLight& light, float near, std::vector<View>& views
     views.back().texel_size = 2.0f * tan_outer;
 }
 
-// The bounds as the light sees them, in tiles x tiles views, row by row as in sunTile() in
-// direct.glsl.
-void appendDirectional(const PunctualLight& light, const Bounds& bounds, int tiles,
-                       std::vector<View>& views) {
+// A box as the light sees it, in tiles x tiles views, row by row as in sunTile() in direct.glsl.
+void appendBox(const PunctualLight& light, const Bounds& bounds, int tiles,
+               std::vector<View>& views) {
     vec3 right;
     vec3 up;
     completeFrame(light.direction, right, up);
@@ -88,20 +94,60 @@ void appendDirectional(const PunctualLight& light, const Bounds& bounds, int til
     }
 }
 
+void appendDirectional(const PunctualLight& light, const std::vector<Bounds>& boxes, int tiles,
+                       std::vector<View>& views) {
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        const size_t first = views.size();
+        appendBox(light, boxes[i], i == 0 ? tiles : 1, views);
+        for (size_t view = first; view < views.size(); ++view) {
+            views[view].coarser = i + 1 < boxes.size() ? static_cast<int>(views.size()) : 0;
+        }
+    }
+}
+
+// Where a light's views begin.
+float nearOf(const PunctualLight& light, const Scene& scene, const GpuScene& gpu) {
+    uint32_t nearest = 0;
+    float distance = kInfinity;
+    for (const Cluster& cluster : gpu.clusters) {
+        if (glm::distance(cluster.center, light.position) - cluster.radius > distance) {
+            continue;
+        }
+        const LevelOfDetail& finest = cluster.levels[0];
+        for (uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
+            const uint32_t triangle = gpu.scene_triangles[i];
+            const float to_triangle = distanceToTriangle(scene, triangle, light.position);
+            if (to_triangle < distance) {
+                distance = to_triangle;
+                nearest = triangle;
+            }
+        }
+    }
+    if (distance == kInfinity) {
+        return 1.0f;  // there is nothing to draw
+    }
+    const uvec3& t = scene.triangles[nearest];
+    const float edge = glm::distance(scene.positions[t.x], scene.positions[t.y]);
+    const float offset = surfaceOffset(scene, nearest, light.position,
+                                       geometricNormal(scene, static_cast<int>(nearest)), edge);
+    const float near = kNearOverOffset * offset;
+    return distance < kTouching * offset ? near : std::min(near, 0.5f * distance);
+}
+
 // All views of all lights, each light told where its own begin.
-std::vector<View> lightViews(const Scene& scene, int sun_tiles,
-                             std::vector<PunctualLight>& lights) {
+std::vector<View> lightViews(const std::vector<float>& nears, const std::vector<Bounds>& boxes,
+                             int sun_tiles, std::vector<PunctualLight>& lights) {
     std::vector<View> views;
-    const float near = nearDistance(scene);
-    for (PunctualLight& light : lights) {
+    for (size_t i = 0; i < lights.size(); ++i) {
+        PunctualLight& light = lights[i];
         light.first_view = static_cast<int>(views.size());
         if (light.kind == shared::LIGHT_DIRECTIONAL) {
             light.view_tiles = sun_tiles;
-            appendDirectional(light, scene.bounds, sun_tiles, views);
+            appendDirectional(light, boxes, sun_tiles, views);
         } else if (needsCube(light)) {
-            appendCube(light, near, views);
+            appendCube(light, nears[i], views);
         } else {
-            appendSpot(light, near, views);
+            appendSpot(light, nears[i], views);
         }
     }
     return views;
@@ -128,19 +174,31 @@ std::vector<std::string> shadingDefines(const GpuScene& gpu, int taps) {
     return defines;
 }
 
-void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {
+void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu,
+                      const std::vector<Bounds>& near) {
     using namespace gl;
     std::vector<PunctualLight> lights = scene.lights;
-    std::vector<View> views = lightViews(scene, 1, lights);
+    std::vector<float> nears(lights.size());
+    parallelFor(static_cast<int>(lights.size()), [&](int i) {
+        nears[static_cast<size_t>(i)] = nearOf(lights[static_cast<size_t>(i)], scene, gpu);
+    });
+    std::vector<Bounds> boxes = near;
+    boxes.push_back(scene.bounds);
+    std::vector<View> views = lightViews(nears, boxes, 1, lights);
+    const auto suns = static_cast<size_t>(std::count_if(
+        lights.begin(), lights.end(),
+        [](const PunctualLight& light) { return light.kind == shared::LIGHT_DIRECTIONAL; }));
+    const size_t larger = suns * near.size();  // views of larger boxes than the least
     int resolution = kMaxResolution;
-    while (resolution > kMinResolution && !fits(resolution, views.size())) {
+    while (resolution > kMinResolution &&
+           !(fits(resolution, views.size() - larger) && fits(resolution, larger))) {
         resolution /= 2;
     }
-    // A directional light's view covers the whole scene: what memory is left makes it finer.
+    // A directional light's least view covers much: what memory is left makes it finer.
     for (int tiles = 2; tiles <= kMaxSunTiles && resolution >= kMinTiledResolution; ++tiles) {
         std::vector<PunctualLight> tiled = scene.lights;
-        std::vector<View> tiled_views = lightViews(scene, tiles, tiled);
-        if (tiled_views.size() > views.size() && fits(resolution, tiled_views.size())) {
+        std::vector<View> tiled_views = lightViews(nears, boxes, tiles, tiled);
+        if (tiled_views.size() > views.size() && fits(resolution, tiled_views.size() - larger)) {
             lights = std::move(tiled);
             views = std::move(tiled_views);
         }
@@ -176,9 +234,13 @@ void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu) {
             glBindFramebuffer(GL_FRAMEBUFFER, name);
             const float far_depth = 0.0f;
             glClearNamedFramebufferfv(name, GL_DEPTH, 0, &far_depth);
+            // What lies between the sun and a box shades it, too.
+            const bool parallel = views[static_cast<size_t>(i)].kind == shared::VIEW_PARALLEL;
+            (parallel ? glEnable : glDisable)(GL_DEPTH_CLAMP);
             drawer.draw(i);
             glFinish();
         }
+        glDisable(GL_DEPTH_CLAMP);
         glDisable(GL_DEPTH_TEST);
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
     });

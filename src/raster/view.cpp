@@ -7,8 +7,6 @@
 namespace sheen {
 namespace {
 
-constexpr float kNearOverOffset = 4.0f;
-
 View makeView(const vec3& origin, const vec3& right, const vec3& up, const vec3& forward) {
     const mat3 dual = glm::transpose(glm::inverse(mat3(right, up, forward)));
     View view{};
@@ -38,15 +36,13 @@ View parallelView(const vec3& origin, const vec3& right, const vec3& up, const v
     return view;
 }
 
-View cameraView(const Camera& camera, int width, int height, float near) {
+View cameraView(const Camera& camera, int width, int height) {
     const float tan_half = std::tan(0.5f * camera.y_fov);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const mat3 axes(camera.world_from_camera);
     return perspectiveView(vec3(camera.world_from_camera[3]), axes[0] * tan_half * aspect,
-                           -axes[1] * tan_half, -axes[2], near);
+                           -axes[1] * tan_half, -axes[2], 0.0f);
 }
-
-float nearDistance(const Scene& scene) { return kNearOverOffset * surfaceOffset(scene); }
 
 bool sphereInView(const View& view, const vec3& center, float radius) {
     const vec3 d = center - view.origin;

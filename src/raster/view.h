@@ -20,12 +20,8 @@ View perspectiveView(const vec3& origin, const vec3& right, const vec3& up, cons
 /// A parallel view of the box origin + [-1,1] right + [-1,1] up + [0,1] forward.
 View parallelView(const vec3& origin, const vec3& right, const vec3& up, const vec3& forward);
 /// The view of an image's pixels: (u, v) = (-1, -1) is the *top left* corner, so that row 0 of what
-/// OpenGL draws is row 0 of the image.
-View cameraView(const Camera& camera, int width, int height, float near);
-
-/// Near-plane distance for a scene of this size: far below anything visible, and enough to clip
-/// what stepping off a surface (surfaceOffset()) uncovers of that surface.
-float nearDistance(const Scene& scene);
+/// OpenGL draws is row 0 of the image. Without a near plane: rays see what it shows.
+View cameraView(const Camera& camera, int width, int height);
 
 /// Whether a sphere may be seen in a view (conservative). A parallel view is taken as endless.
 bool sphereInView(const View& view, const vec3& center, float radius);

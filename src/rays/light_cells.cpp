@@ -9,9 +9,11 @@
 namespace sheen {
 namespace {
 
-// How long a cell may be: this share of the scene's size, more where all cells together would
-// exceed their budget.
+// How long a cell may be: this share of the size of the scene, or of the least box around what is
+// near that the triangle reaches into; more where all cells together would exceed their budget. An
+// edge is divided no more often than one as long as the box is.
 constexpr float kLengthOfSize = 1.0f / 256.0f;
+constexpr float kMostOfEdge = 256.0f;
 constexpr size_t kBudget = 1 << 22;
 
 // A cell may be larger than what a ray stands for by this factor: neighbouring rays then see one
@@ -91,19 +93,34 @@ struct Grid {
     }
 };
 
-// A grid for cells no longer than `length`.
-Grid gridFor(float longest_edge, float length) {
-    return {static_cast<uint32_t>(std::max(std::ceil(longest_edge / length), 1.0f))};
-}
-
-float cellLength(const Scene& scene, const std::vector<float>& longest_edges) {
-    for (float length = scene.bounds.size() * kLengthOfSize;; length *= 1.1f) {
-        size_t cells = 0;
-        for (float edge : longest_edges) {
-            cells += gridFor(edge, length).cellCount();
+// How often a triangle's edges are divided, of each triangle: at most into kMostOfEdge, and where
+// the budget does not allow that, all less often by one factor.
+std::vector<uint32_t> divisions(const Scene& scene, const std::vector<Bounds>& near) {
+    const auto count = static_cast<size_t>(scene.triangleCount());
+    std::vector<float> wanted(count);
+    for (size_t i = 0; i < count; ++i) {
+        Bounds reach;
+        for (int corner = 0; corner < 3; ++corner) {
+            reach.add(scene.positions[scene.triangles[i][corner]]);
         }
-        if (cells <= std::max(kBudget, longest_edges.size())) {
-            return length;
+        float size = scene.bounds.size();
+        for (const Bounds& box : near) {
+            const bool apart = glm::any(glm::greaterThan(reach.lower, box.upper)) ||
+                               glm::any(glm::greaterThan(box.lower, reach.upper));
+            size = apart ? size : std::min(size, box.size());
+        }
+        const float edge = Triangle(scene, static_cast<uint32_t>(i)).longestEdge();
+        wanted[i] = std::min(edge / (kLengthOfSize * size), kMostOfEdge);
+    }
+    std::vector<uint32_t> result(count);
+    for (float factor = 1.0f;; factor *= 1.1f) {
+        size_t cells = 0;
+        for (size_t i = 0; i < count; ++i) {
+            result[i] = static_cast<uint32_t>(std::max(std::ceil(wanted[i] / factor), 1.0f));
+            cells += Grid{result[i]}.cellCount();
+        }
+        if (cells <= std::max(kBudget, count)) {
+            return result;
         }
     }
 }
@@ -115,20 +132,15 @@ struct LightCells::LitTriangle {
     std::vector<Cell> cells[2];
 };
 
-LightCells::LightCells(const RayCaster& rays) {
-    const Scene& scene = rays.scene();
-    const auto count = static_cast<size_t>(scene.triangleCount());
-    std::vector<float> longest_edges(count);
-    for (size_t i = 0; i < count; ++i) {
-        longest_edges[i] = Triangle(scene, static_cast<uint32_t>(i)).longestEdge();
-    }
-    const float length = cellLength(scene, longest_edges);
+LightCells::LightCells(const RayCaster& rays, const std::vector<Bounds>& near) {
+    const std::vector<uint32_t> n = divisions(rays.scene(), near);
+    const size_t count = n.size();
     std::vector<LitTriangle> lit(count);
     parallelFor(
         static_cast<int>(count),
         [&](int i) {
             const auto t = static_cast<size_t>(i);
-            lit[t] = light(rays, static_cast<uint32_t>(i), gridFor(longest_edges[t], length).n);
+            lit[t] = light(rays, static_cast<uint32_t>(i), n[t]);
         },
         16);
     sides_.reserve(2 * count);
@@ -170,9 +182,11 @@ LightCells::LitTriangle LightCells::light(const RayCaster& rays, uint32_t index,
             RayCaster::Receiver receivers[RayCaster::kPacket];
             for (size_t l = 0; l < light_count; ++l) {
                 for (size_t k = 0; k < count; ++k) {
-                    receivers[k] = {.position = triangle.at(uvs[first + k]),
+                    const vec3 position = triangle.at(uvs[first + k]);
+                    receivers[k] = {.position = position,
                                     .n_g = (facing[0] & bit(l)) != 0 ? front : -front,
-                                    .toward_viewer = vec3(0.0f)};
+                                    .toward_viewer = vec3(0.0f),
+                                    .offset = surfaceOffset(scene, index, position, front, edge)};
                 }
                 const uint32_t lit = rays.reached(scene.lights[l], {receivers, count});
                 for (size_t k = 0; k < count; ++k) {
@@ -217,7 +231,7 @@ LightCells::LitTriangle LightCells::light(const RayCaster& rays, uint32_t index,
             if (!lambertian || lit == 0) {
                 return;
             }
-            const SurfacePoint p = surfacePoint(scene, index, uv.x, uv.y, n_g);
+            const SurfacePoint p = surfacePoint(scene, index, uv.x, uv.y, n_g, edge);
             const Scatterer surface = scattererAt(scene, p);
             for (size_t l = 0; l < light_count; ++l) {
                 if ((lit & bit(l)) == 0) {

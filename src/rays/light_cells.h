@@ -13,7 +13,9 @@ namespace sheen {
 /// Lambertian. Safe to use from many threads.
 class LightCells {
   public:
-    explicit LightCells(const RayCaster& rays);
+    /// `near`: boxes around what is near whoever sees the scene; what lies in one gets cells as
+    /// small as if the box were the scene.
+    explicit LightCells(const RayCaster& rays, const std::vector<Bounds>& near = {});
 
     struct Cell {
         /// Emission, and on a Lambertian surface the light of what reaches all of the cell.

@@ -62,7 +62,7 @@ bool arrived(const RTCRay8& rays, int lane) { return rays.tfar[lane] >= 0.0f; }
 
 }  // namespace
 
-RayCaster::RayCaster(const Scene& scene) : scene_(scene), offset_(surfaceOffset(scene)) {
+RayCaster::RayCaster(const Scene& scene) : scene_(scene) {
     // One thread builds: Embree's parallel build orders triangles by the number of threads, and
     // the order decides which of two triangles owns a ray through their common edge.
     tbb::task_arena one_thread(1);
@@ -161,7 +161,8 @@ uint32_t RayCaster::reached(const PunctualLight& light, std::span<const Receiver
         if (glm::dot(r.n_g, sample.wi) > 0.0f && sample.irradiance != vec3(0.0f)) {
             const auto k = static_cast<int>(i);
             facing.lanes[k] = -1;
-            setShadowRay(shadow, k, origin(r.position, r.n_g, r.toward_viewer), light, sample);
+            setShadowRay(shadow, k, offSurface(r.position, r.n_g, r.toward_viewer, r.offset), light,
+                         sample);
         }
     }
     rtcOccluded8(facing.lanes, embree_.get(), &context, &shadow);
@@ -191,7 +192,8 @@ std::optional<RayCaster::FirstHit> RayCaster::meetFirst(const vec3& origin,
     if (met.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
         return std::nullopt;
     }
-    return FirstHit{.triangle = met.hit.primID, .u = met.hit.u, .v = met.hit.v};
+    return FirstHit{
+        .triangle = met.hit.primID, .u = met.hit.u, .v = met.hit.v, .distance = met.ray.tfar};
 }
 
 size_t RayCaster::meet(const Rays& rays, size_t first, size_t end, const LightCells* cells,
@@ -245,7 +247,8 @@ void RayCaster::light(const Rays& rays, std::span<const Hit> hits, vec4* seen) c
     SurfacePoint points[kPacket];
     for (int k = 0; k < count; ++k) {
         const Hit& hit = hits[static_cast<size_t>(k)];
-        points[k] = surfacePoint(scene_, hit.triangle, hit.u, hit.v, -rays.directions[hit.ray]);
+        points[k] = surfacePoint(scene_, hit.triangle, hit.u, hit.v, -rays.directions[hit.ray],
+                                 hit.distance);
     }
     // Much of what is met lies in the dark: never asked.
     std::optional<Scatterer> surfaces[kPacket];
@@ -269,7 +272,8 @@ void RayCaster::light(const Rays& rays, std::span<const Hit> hits, vec4* seen) c
             if (arrives[k] && (hit.trace() & bit) != 0) {
                 traced.lanes[k] = -1;
                 any_traced = true;
-                setShadowRay(shadow, k, origin(p.position, p.n_g, p.wo), light, samples[k]);
+                setShadowRay(shadow, k, offSurface(p.position, p.n_g, p.wo, p.offset), light,
+                             samples[k]);
             }
         }
         if (any_traced) {

@@ -51,23 +51,20 @@ class RayCaster {
     struct FirstHit {
         uint32_t triangle = 0;
         float u = 0, v = 0;
+        float distance = 0;
     };
     /// None where nothing is met. The ray is cast alone: which of two triangles owns a ray through
     /// their common edge differs by how many are cast together.
     std::optional<FirstHit> meetFirst(const vec3& origin, const vec3& direction) const;
 
-    /// A point of a surface that may be lit; for the vectors see origin().
+    /// A point of a surface that may be lit: from where its rays start see offSurface().
     struct Receiver {
         vec3 position, n_g, toward_viewer;
+        float offset;
     };
     /// Which of at most kPacket receivers get light from `light` on the side of n_g: bit k is the
     /// k-th one's.
     uint32_t reached(const PunctualLight& light, std::span<const Receiver> receivers) const;
-
-    /// Where a ray starts that leaves a point of a surface: offSurface().
-    vec3 origin(const vec3& position, const vec3& n_g, const vec3& toward_viewer) const {
-        return offSurface(position, n_g, toward_viewer, offset_);
-    }
 
   private:
     struct ReleaseDevice {
@@ -83,7 +80,6 @@ class RayCaster {
     void light(const Rays& rays, std::span<const Hit> hits, vec4* seen) const;
 
     const Scene& scene_;
-    float offset_ = 0;
     std::unique_ptr<RTCDeviceTy, ReleaseDevice> device_;
     std::unique_ptr<RTCSceneTy, ReleaseScene> embree_;
 };

@@ -12,21 +12,25 @@ struct SurfacePoint {
     vec3 barycentric;
     vec3 position;
     vec3 n_g, wo;  ///< unit; n_g on the side of wo
+    float offset;  ///< surfaceOffset()
 };
 
-/// The point at Embree's barycentric (u, v).
+/// The point at Embree's barycentric (u, v), seen from `distance` away. In double, so that it lies
+/// on the triangle's plane to within one rounding, however large the triangle.
 inline SurfacePoint surfacePoint(const Scene& scene, uint32_t triangle, float u, float v,
-                                 const vec3& wo) {
+                                 const vec3& wo, float distance) {
     const uvec3& t = scene.triangles[triangle];
     const vec3& p0 = scene.positions[t.x];
     const vec3& p1 = scene.positions[t.y];
     const vec3& p2 = scene.positions[t.z];
-    const float w = 1.0f - u - v;
-    return {.triangle = triangle,
-            .barycentric = vec3(w, u, v),
-            .position = w * p0 + u * p1 + v * p2,
-            .n_g = shared::faceViewer(glm::normalize(glm::cross(p1 - p0, p2 - p0)), wo),
-            .wo = wo};
+    SurfacePoint p;
+    p.triangle = triangle;
+    p.barycentric = vec3(1.0f - u - v, u, v);
+    p.position = vec3((1.0 - u - v) * dvec3(p0) + double{u} * dvec3(p1) + double{v} * dvec3(p2));
+    p.n_g = shared::faceViewer(glm::normalize(glm::cross(p1 - p0, p2 - p0)), wo);
+    p.wo = wo;
+    p.offset = surfaceOffset(scene, triangle, p.position, p.n_g, distance);
+    return p;
 }
 
 /// Whether light scatters alike in all directions.

@@ -2,7 +2,6 @@
 
 #include <tbb/task_arena.h>
 
-#include <algorithm>
 #include <cstring>
 
 #include "core/error.h"
@@ -11,14 +10,13 @@
 namespace sheen {
 namespace {
 
-// A ray leaves its surface by this many units in the last place of the triangle's largest
-// coordinate. Rounding a hit to float errs by half a unit; Embree's plane test by a few units of
-// the distance from the origin to the triangle's vertices, which is at most two such coordinates.
-// Being relative, it is the same fraction of the scene whatever the scene's scale.
+// A ray leaves its surface by this many units in the last place of the point's largest coordinate,
+// which bound how rounding a hit moves it, and of what the vertices' coordinates add up to along
+// the normal, which bounds how Embree's test of the triangle's plane errs: each of their products
+// with the normal's by a few units. A plane along the axes thus costs nothing, however large it is,
+// and all is the same fraction of the scene whatever the scene's scale. After [PJH23, 6.8].
 constexpr float kOffsetUlps = 32.0f;
 constexpr float kUlp = 0x1p-23f;
-
-float maxAbs(const vec3& p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
 
 RTCRay makeRay(const vec3& origin, const vec3& direction, float tfar) {
     RTCRay ray{};
@@ -166,11 +164,12 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
     // In double, so that the point lies on the triangle's plane to within one rounding.
     const double u = hit.u, v = hit.v;
     s.position = vec3((1.0 - u - v) * glm::dvec3(p0) + u * glm::dvec3(p1) + v * glm::dvec3(p2));
-    s.offset = kOffsetUlps * kUlp * std::max({maxAbs(p0), maxAbs(p1), maxAbs(p2)});
 
     // Turn both normals to the viewer.
     const float w = 1.0f - hit.u - hit.v;
     s.n_g = shared::faceViewer(n_g_[hit.triangle], wo);
+    const vec3 largest = glm::max(glm::abs(p0), glm::max(glm::abs(p1), glm::abs(p2)));
+    s.offset = kOffsetUlps * kUlp * (maxAbs(s.position) + glm::dot(glm::abs(s.n_g), largest));
     const vec3 n =
         w * scene_.normals[t.x] + hit.u * scene_.normals[t.y] + hit.v * scene_.normals[t.z];
     s.n = shared::shadingNormal(shared::interpolatedNormal(n, s.n_g), s.n_g, wo);

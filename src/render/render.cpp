@@ -104,9 +104,9 @@ class PassGatherer {
   public:
     PassGatherer(SceneState& state, const HemisphereParams& hemisphere) {
         if (state.road == GatherRoad::kRays) {
-            rays_.emplace(state.rays, state.cells, hemisphere);
+            rays_.emplace(state.rays, *state.cells, hemisphere);
         } else {
-            raster_.emplace(state.pool, state.scene, state.gpu, hemisphere);
+            raster_.emplace(state.pool, state.gpu, hemisphere);
         }
     }
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) {
@@ -137,11 +137,11 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     if (state.road != GatherRoad::kRays) {
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
-    RayGatherer gatherer(state.rays, state.cells, seen);
+    RayGatherer gatherer(state.rays, *state.cells, seen);
     gatherProbes(
         state.scene, view.gbuffer, view.classes, view.field,
         [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, state.rays,
-        state.cells, params.specular, probes);
+        *state.cells, params.specular, probes);
     return estimateError(errors, probes, view.gbuffer, view.classes, indirect);
 }
 
@@ -378,9 +378,8 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
 Session::Session(const Scene& scene) : scene_(scene) {}
 Session::~Session() = default;
 
-RenderResult Session::render(const RenderParams& params) {
+RenderResult Session::renderByMethod(const RenderParams& params) {
     const Timer timer;
-    checkRenderMemory(scene_, params);
     switch (params.method) {
         case Method::kReference:
         case Method::kDenoised:
@@ -399,6 +398,19 @@ RenderResult Session::render(const RenderParams& params) {
         state_ = std::make_unique<SceneState>(scene_, params.gather_road, seconds);
     }
     return renderByCache(*state_, seconds, params, timer);
+}
+
+RenderResult Session::render(const RenderParams& params) {
+    checkRenderMemory(scene_, params);
+    RenderResult result = renderByMethod(params);
+    // Users know the file's coordinates alone.
+    for (size_t i = 0; i < result.frame.position.pixels.size(); ++i) {
+        if (result.frame.primitive.pixels[i] != kNoPrimitive) {
+            vec3& position = result.frame.position.pixels[i];
+            position = vec3(scene_.inFile(position));
+        }
+    }
+    return result;
 }
 
 RenderResult renderFrame(const Scene& scene, const RenderParams& params) {

@@ -106,6 +106,8 @@ class Session {
     RenderResult render(const RenderParams& params);
 
   private:
+    RenderResult renderByMethod(const RenderParams& params);
+
     const Scene& scene_;
     std::unique_ptr<SceneState> state_;
 };

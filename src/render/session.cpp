@@ -34,12 +34,25 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
       road(road_),
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
-      rays(timed(seconds.gather, [&] { return RayCaster(scene); })),
-      cells(timed(seconds.gather, [&] { return LightCells(rays); })) {
+      rays(timed(seconds.gather, [&] { return RayCaster(scene); })) {
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
-        renderShadowMaps(pool, scene, gpu);
+    }
+}
+
+void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds) {
+    if (cells && near == boxes) {
+        return;
+    }
+    near = boxes;
+    {
+        const StageTimer timer(seconds.gather);
+        cells.emplace(rays, near);
+    }
+    if (road == GatherRoad::kRaster) {
+        const StageTimer timer(seconds.shadow);
+        renderShadowMaps(pool, scene, gpu, near);
     }
 }
 
@@ -63,6 +76,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         lobes = buildLobes(gbuffer, classes);
         checkSplat(state.pool, lobes);
     }
+    state.prepareFor(nearBoxes(state.scene, gbuffer), seconds);
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {
@@ -73,7 +87,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     }
     if (classes.anyByRays()) {
         const StageTimer timer(seconds.gather);
-        specular = traceSpecular(state.rays, &state.cells, gbuffer, classes, params.specular);
+        specular = traceSpecular(state.rays, &*state.cells, gbuffer, classes, params.specular);
     }
 }
 

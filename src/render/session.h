@@ -22,12 +22,15 @@ struct SceneState {
     const GatherRoad road;
     gl::WorkerPool pool;
     RayCaster rays;
-    LightCells cells;
-    GpuScene gpu;  // empty where records use rays
+    std::optional<LightCells> cells;
+    GpuScene gpu;              // empty where records use rays
+    std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
 
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
     SceneState(const Scene& scene, GatherRoad road, StageSeconds& seconds);
     ~SceneState();
+    /// Makes cells and shadow maps for what is near a view (nearBoxes()), unless there are such.
+    void prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds);
 };
 
 /// Made of a camera once: what its pixels see, what of that records are not asked for, and the

@@ -11,8 +11,10 @@
 namespace sheen::gltf {
 namespace {
 
-// In front by this much of the plane's extent, or of the largest coordinate: far more than depths
-// and hits are off, too little to be seen.
+// In front by this much of the larger triangle's extent, but of no more than a few extents of the
+// smaller one, or of the largest coordinate where both are: far more than depths and hits are off,
+// too little to be seen.
+constexpr double kFewExtents = 8.0;
 constexpr double kLiftOverExtent = 1e-5;
 constexpr double kLiftOverCoordinate = 0x1p-18;
 // What is farther apart than a tenth of that is apart.
@@ -30,11 +32,13 @@ struct Flat {
     uint32_t triangle;
     std::array<glm::dvec2, 3> corners;
     glm::dvec2 lower, upper;
+    double extent, farthest;  // of its box, and the largest coordinate
 };
 
 // Two triangles over each other, by their numbers.
 struct Pair {
     uint32_t later, earlier;
+    double lift;
 };
 
 // Equal for planes that are equal but for rounding, facing one way. (Where rounding meets a cell's
@@ -100,6 +104,12 @@ bool overlap(const Flat& a, const Flat& b) {
     return true;
 }
 
+double liftBetween(const Flat& a, const Flat& b) {
+    const auto [smaller, larger] = std::minmax(a.extent, b.extent);
+    return std::max(kLiftOverExtent * std::min(larger, kFewExtents * smaller),
+                    kLiftOverCoordinate * std::min(a.farthest, b.farthest));
+}
+
 // The triangles of one key.
 class Group {
   public:
@@ -107,9 +117,14 @@ class Group {
         normal_ = geometricNormal(scene, static_cast<int>(keyed.front().triangle));
         const glm::dvec3 size = glm::abs(normal_);
         const int axis = size.x > std::max(size.y, size.z) ? 0 : size.y > size.z ? 1 : 2;
-        Bounds bounds;
         for (const Keyed& entry : keyed) {
-            Flat flat{.triangle = entry.triangle, .corners = {}, .lower = {}, .upper = {}};
+            Flat flat{.triangle = entry.triangle,
+                      .corners = {},
+                      .lower = {},
+                      .upper = {},
+                      .extent = 0.0,
+                      .farthest = 0.0};
+            Bounds bounds;
             for (int c = 0; c < 3; ++c) {
                 const vec3& p = scene.positions[scene.triangles[entry.triangle][c]];
                 flat.corners[static_cast<size_t>(c)] = {p[(axis + 1) % 3], p[(axis + 2) % 3]};
@@ -118,17 +133,16 @@ class Group {
             const auto& [p, q, r] = flat.corners;
             flat.lower = glm::min(p, glm::min(q, r));
             flat.upper = glm::max(p, glm::max(q, r));
+            flat.extent = bounds.size();
+            flat.farthest = std::max(maxAbs(bounds.lower), maxAbs(bounds.upper));
             flats_.push_back(flat);
         }
         std::sort(flats_.begin(), flats_.end(), [](const Flat& a, const Flat& b) {
             return a.lower.x != b.lower.x ? a.lower.x < b.lower.x : a.triangle < b.triangle;
         });
-        const vec3 farthest = glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper));
-        lift_ = std::max(kLiftOverExtent * bounds.size(),
-                         kLiftOverCoordinate * std::max({farthest.x, farthest.y, farthest.z}));
     }
 
-    vec3 lift() const { return vec3(lift_ * normal_); }
+    const glm::dvec3& normal() const { return normal_; }
 
     // Appends what lies over each other, looking at no more than `pairs_left` pairs.
     void findPairs(std::vector<Pair>& pairs, int64_t& pairs_left) const {
@@ -137,17 +151,18 @@ class Group {
                  j < flats_.size() && flats_[j].lower.x < flats_[i].upper.x && pairs_left > 0;
                  ++j) {
                 --pairs_left;
-                if (coincide(flats_[i], flats_[j])) {
+                const double lift = liftBetween(flats_[i], flats_[j]);
+                if (coincide(flats_[i], flats_[j], lift)) {
                     const auto [earlier, later] =
                         std::minmax(flats_[i].triangle, flats_[j].triangle);
-                    pairs.push_back({later, earlier});
+                    pairs.push_back({later, earlier, lift});
                 }
             }
         }
     }
 
   private:
-    bool coincide(const Flat& a, const Flat& b) const {
+    bool coincide(const Flat& a, const Flat& b, double lift) const {
         if (a.lower.y >= b.upper.y || b.lower.y >= a.upper.y ||
             looksAlike(scene_.materials[scene_.materials_of[a.triangle]],
                        scene_.materials[scene_.materials_of[b.triangle]])) {
@@ -157,7 +172,7 @@ class Group {
         const glm::dvec3 normal(geometricNormal(scene_, static_cast<int>(a.triangle)));
         for (int c = 0; c < 3; ++c) {
             const glm::dvec3 p(scene_.positions[scene_.triangles[b.triangle][c]]);
-            if (std::abs(glm::dot(normal, p - origin)) > kPlaneOverLift * lift_) {
+            if (std::abs(glm::dot(normal, p - origin)) > kPlaneOverLift * lift) {
                 return false;
             }
         }
@@ -166,30 +181,35 @@ class Group {
 
     const Scene& scene_;
     glm::dvec3 normal_;
-    double lift_ = 0.0;
     std::vector<Flat> flats_;
 };
 
 using Lifts = std::map<uint32_t, vec3>;  // of vertices
 
-// Adds what lifts each later triangle's vertices by a step, those over lifted ones by another.
-void liftLater(const Scene& scene, std::vector<Pair> pairs, const vec3& step, Lifts& lifts) {
+// Adds what lifts each later triangle's vertices along the normal: over those lifted ones it
+// covers, by no less than these.
+void liftLater(const Scene& scene, std::vector<Pair> pairs, const glm::dvec3& normal,
+               Lifts& lifts) {
     std::sort(pairs.begin(), pairs.end(),
               [](const Pair& a, const Pair& b) { return a.later < b.later; });
-    std::map<uint32_t, int> steps;         // of triangles
-    std::map<uint32_t, int> vertex_steps;  // the most of a vertex's triangles
+    struct Layer {
+        double step = 0.0, height = 0.0;
+    };
+    std::map<uint32_t, Layer> layers;           // of triangles
+    std::map<uint32_t, double> vertex_heights;  // the most of a vertex's triangles
     for (const Pair& pair : pairs) {
-        const auto below = steps.find(pair.earlier);
-        const int count = 1 + (below == steps.end() ? 0 : below->second);
-        int& own = steps[pair.later];
-        own = std::max(own, count);
+        const auto found = layers.find(pair.earlier);
+        const Layer below = found == layers.end() ? Layer{} : found->second;
+        Layer& own = layers[pair.later];
+        own.step = std::max({own.step, pair.lift, below.step});
+        own.height = std::max(own.height, below.height + own.step);
         for (int c = 0; c < 3; ++c) {
-            int& vertex = vertex_steps[scene.triangles[pair.later][c]];
-            vertex = std::max(vertex, own);
+            double& vertex = vertex_heights[scene.triangles[pair.later][c]];
+            vertex = std::max(vertex, own.height);
         }
     }
-    for (const auto& [vertex, count] : vertex_steps) {
-        lifts[vertex] += static_cast<float>(count) * step;
+    for (const auto& [vertex, height] : vertex_heights) {
+        lifts[vertex] += vec3(height * normal);
     }
 }
 
@@ -244,7 +264,7 @@ void separateCoplanar(File& file, Scene& scene) {
             continue;
         }
         firsts.push_back(pairs.front());
-        liftLater(scene, pairs, group.lift(), lifts);
+        liftLater(scene, pairs, group.normal(), lifts);
     }
     const bool lifted = !lifts.empty() && moveVertices(lifts, scene);
     for (const Pair& pair : firsts) {

@@ -1,5 +1,5 @@
 // The glTF loader: parses the file, then walks its nodes, appending meshes, lights and cameras in
-// world space. Never trusts the file: see gltf_parts.h.
+// world space, about an origin that suits the camera. Never trusts the file: see gltf_parts.h.
 // Based on: the glTF 2.0 specification, KHR_lights_punctual.
 #include <algorithm>
 #include <cmath>
@@ -217,8 +217,10 @@ std::vector<int> rootNodes(const File& file) {
     return roots;
 }
 
-void appendNode(File& file, const tinygltf::Node& node, const glm::dmat4& world_from_node,
+void appendNode(File& file, const tinygltf::Node& node, const glm::dmat4& file_from_node,
                 const std::string& where, Scene& scene) {
+    glm::dmat4 world_from_node = file_from_node;
+    world_from_node[3] -= glm::dvec4(scene.origin, 0.0);
     if (node.mesh != -1) {
         file.at(file.model.meshes, node.mesh, where, "mesh");
         appendMesh(file, node.mesh, world_from_node, scene);
@@ -238,15 +240,15 @@ void appendNode(File& file, const tinygltf::Node& node, const glm::dmat4& world_
 void walkNodes(File& file, Scene& scene) {
     struct Visit {
         int node;
-        glm::dmat4 world_from_parent;
+        glm::dmat4 file_from_parent;
         std::string parent;
     };
     std::vector<Visit> pending;
     std::vector<bool> seen(file.model.nodes.size(), false);
-    const auto push = [&](const std::vector<int>& nodes, const glm::dmat4& world_from_parent,
+    const auto push = [&](const std::vector<int>& nodes, const glm::dmat4& file_from_parent,
                           const std::string& parent) {
         for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
-            pending.push_back({*node, world_from_parent, parent});
+            pending.push_back({*node, file_from_parent, parent});
         }
     };
     push(rootNodes(file), glm::dmat4(1.0), "scene");
@@ -259,17 +261,52 @@ void walkNodes(File& file, Scene& scene) {
             file.fail(where, "is reached twice: nodes must form a tree; export the file again");
         }
         seen[static_cast<size_t>(visit.node)] = true;
-        const glm::dmat4 world_from_node =
-            visit.world_from_parent * localTransform(file, node, where);
+        const glm::dmat4 file_from_node =
+            visit.file_from_parent * localTransform(file, node, where);
         for (int c = 0; c < 16; ++c) {
-            finiteFloat(file, world_from_node[c / 4][c % 4], where, "transform element");
+            finiteFloat(file, file_from_node[c / 4][c % 4], where, "transform element");
         }
-        if (glm::length(glm::dvec3(world_from_node[3])) > kLargestExtent) {
+        if (glm::length(glm::dvec3(file_from_node[3])) > kLargestExtent) {
             file.fail(where, "lies more than {} m from the origin; move it closer", kLargestExtent);
         }
-        appendNode(file, node, world_from_node, where, scene);
-        push(node.children, world_from_node, where);
+        appendNode(file, node, file_from_node, where, scene);
+        push(node.children, file_from_node, where);
     }
+}
+
+// Where world space should begin, in its present coordinates: where the camera stands, if what is
+// nearest to it lies so much nearer than the present origin that floats would lose it; else there.
+vec3 betterOrigin(const Scene& scene, const std::string& camera) {
+    constexpr float kFarthest = 256.0f;
+    vec3 eye = scene.bounds.center();
+    float nearest = scene.bounds.size();  // a camera is made that frames them
+    if (!scene.cameras.empty()) {
+        eye = vec3(findCamera(scene, camera).world_from_camera[3]);
+        nearest = kInfinity;
+        for (const vec3& p : scene.positions) {
+            nearest = std::min(nearest, glm::distance(p, eye));
+        }
+    }
+    const bool lost = !scene.bounds.empty() && maxAbs(eye) > kFarthest * nearest;
+    return lost ? eye : vec3(0.0f);
+}
+
+// Fills geometry, lights and cameras.
+void flatten(File& file, const std::string& camera, Scene& scene) {
+    const Notes notes = file.notes;
+    walkNodes(file, scene);
+    const vec3 origin = betterOrigin(scene, camera);
+    if (origin == vec3(0.0f)) {
+        return;
+    }
+    // Anew from doubles, since what is there has lost digits.
+    file.notes = notes;
+    Scene again;
+    again.materials = std::move(scene.materials);
+    again.textures = std::move(scene.textures);
+    again.origin = dvec3(origin);
+    scene = std::move(again);
+    walkNodes(file, scene);
 }
 
 // Many nodes may show one mesh, and a small file become a large scene.
@@ -302,7 +339,7 @@ void checkExtent(const File& file, const Scene& scene) {
         return;
     }
     const double farthest =
-        std::max(glm::length(glm::dvec3(b.lower)), glm::length(glm::dvec3(b.upper)));
+        std::max(glm::length(scene.inFile(b.lower)), glm::length(scene.inFile(b.upper)));
     if (farthest > kLargestExtent) {
         file.fail("meshes", "reach {} m from the origin, more than {}; move or scale them",
                   farthest, kLargestExtent);
@@ -314,9 +351,13 @@ void checkExtent(const File& file, const Scene& scene) {
     }
 }
 
+double brightestChannel(const PunctualLight& light) {
+    return std::max({light.intensity.x, light.intensity.y, light.intensity.z});
+}
+
 // The illuminance that a light brings to the scene's middle, or to its rim where it lies inside.
 double levelOf(const PunctualLight& light, const Bounds& bounds) {
-    const double intensity = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
+    const double intensity = brightestChannel(light);
     if (light.kind == shared::LIGHT_DIRECTIONAL) {
         return intensity;
     }
@@ -324,6 +365,17 @@ double levelOf(const PunctualLight& light, const Bounds& bounds) {
         std::max<double>(glm::distance(glm::dvec3(light.position), glm::dvec3(bounds.center())),
                          0.5 * bounds.size());
     return intensity / (distance * distance);
+}
+
+// The illuminance that a point or spot light brings to the vertex nearest to it, but not at it.
+double nearestLevel(const PunctualLight& light, const Scene& scene) {
+    double nearest2 = kInfinity;
+    for (const vec3& p : scene.positions) {
+        const glm::dvec3 way(p - light.position);
+        const double distance2 = glm::dot(way, way);
+        nearest2 = distance2 > 0.0 ? std::min(nearest2, distance2) : nearest2;
+    }
+    return brightestChannel(light) / nearest2;
 }
 
 // Light that floats cannot follow is refused: the image would be black, white or not finite.
@@ -344,6 +396,12 @@ void checkLightLevel(const File& file, const Scene& scene) {
         const vec3& emission = scene.materials[i].params.emission;
         check(std::max({emission.x, emission.y, emission.z}),
               label("material", i, scene.materials[i].name), "nits");
+    }
+    // A large scene's rim may be dark.
+    for (size_t i = 0; i < scene.lights.size() && brightest < kDimmestLevel; ++i) {
+        if (scene.lights[i].kind != shared::LIGHT_DIRECTIONAL) {
+            brightest = std::max(brightest, nearestLevel(scene.lights[i], scene));
+        }
     }
     if (brightest > 0.0 && brightest < kDimmestLevel) {
         file.fail("lights", "bring {:.3g} lux to the scene, less than {:g}; make them brighter",
@@ -388,14 +446,14 @@ PunctualLight framingSun() {
 }  // namespace
 }  // namespace gltf
 
-Scene loadScene(const std::string& path) {
+Scene loadScene(const std::string& path, const std::string& camera) {
     gltf::File file{.path = path, .model = {}, .notes = {}};
     Scene scene;
     try {
         gltf::parse(file);
         gltf::loadMaterials(file, scene);
         gltf::checkMeshMemory(file);
-        gltf::walkNodes(file, scene);
+        gltf::flatten(file, camera, scene);
         gltf::checkExtent(file, scene);
         gltf::checkLightLevel(file, scene);
         gltf::separateCoplanar(file, scene);

@@ -59,16 +59,34 @@ MaterialParams materialAt(const Scene& scene, const Material& material, const ve
     return params;
 }
 
-float surfaceOffset(const Scene& scene) {
-    constexpr float kOffsetOverSize = 5e-6f;
-    constexpr float kOffsetOverCoordinate = 0x1p-19f;  // 16 to 32 steps of a float
-    const float size = scene.bounds.size();
-    if (!(size > 0.0f)) {
-        return kOffsetOverSize;
+float surfaceOffset(const Scene& scene, uint32_t triangle, const vec3& position, const vec3& n_g,
+                    float distance) {
+    // A vertex as a ray has it, from the ray's origin, is off by half a unit in the last place of
+    // the way there; dotted with the normal, which is off likewise, by a few of those. 64 units.
+    constexpr float kUnits = 0x1p-17f;
+    constexpr float kOfDistance = 0.125f;
+    const uvec3& t = scene.triangles[triangle];
+    const vec3 way = glm::max(glm::abs(scene.positions[t.x] - position),
+                              glm::max(glm::abs(scene.positions[t.y] - position),
+                                       glm::abs(scene.positions[t.z] - position)));
+    return kUnits * (maxAbs(position) + glm::dot(glm::abs(n_g), way) + kOfDistance * distance);
+}
+
+float distanceToTriangle(const Scene& scene, uint32_t triangle, const vec3& p) {
+    const uvec3& t = scene.triangles[triangle];
+    const vec3 corners[] = {scene.positions[t.x] - p, scene.positions[t.y] - p,
+                            scene.positions[t.z] - p};
+    const vec3 normal = geometricNormal(scene, static_cast<int>(triangle));
+    float nearest = kInfinity;
+    bool above = true;  // within the prism over the triangle
+    for (int i = 0; i < 3; ++i) {
+        const vec3& a = corners[i];
+        const vec3 edge = corners[(i + 1) % 3] - a;
+        above = above && glm::dot(glm::cross(edge, normal), a) >= 0.0f;
+        const float along = glm::clamp(-glm::dot(a, edge) / glm::dot(edge, edge), 0.0f, 1.0f);
+        nearest = std::min(nearest, glm::length(a + along * edge));
     }
-    const vec3 farthest = glm::max(glm::abs(scene.bounds.lower), glm::abs(scene.bounds.upper));
-    return std::max(kOffsetOverSize * size,
-                    kOffsetOverCoordinate * std::max({farthest.x, farthest.y, farthest.z}));
+    return above ? std::abs(glm::dot(normal, corners[0])) : nearest;
 }
 
 vec3 geometricNormal(const Scene& scene, int triangle) {

@@ -1,4 +1,5 @@
-// The scene as plain data: arrays of structs, integer indices across, everything in world space.
+// The scene as plain data: arrays of structs, integer indices across, everything in world space,
+// whose origin lies where floats follow what the camera sees.
 // Every stage reads it; nothing changes it after loading.
 #pragma once
 
@@ -52,10 +53,14 @@ struct Scene {
     std::vector<std::string> light_names;
     std::vector<Camera> cameras;
     Bounds bounds;
+    /// Of world space, in the file's coordinates: not zero where the camera stands far from theirs.
+    dvec3 origin{0.0};
     std::vector<std::string> files;     ///< that were read: the scene's own and those it names
     std::vector<std::string> warnings;  ///< one line each: what the loader had to leave out or mend
 
     int triangleCount() const { return static_cast<int>(triangles.size()); }
+    /// A point of world space in the file's coordinates.
+    dvec3 inFile(const vec3& p) const { return dvec3(p) + origin; }
 };
 
 /// Loads a .glb or .gltf file: geometry with its transforms, metallic-roughness factors and
@@ -64,7 +69,8 @@ struct Scene {
 /// result would be wrong (a required extension, a compressed mesh), is an input error.
 /// A scene without cameras gets one that frames its bounds; geometry without lights, none of which
 /// emits, gets a sun from above, of pi lux, and a warning that says so.
-Scene loadScene(const std::string& path);
+/// `camera`: the one to be seen by, as findCamera() has it, by which Scene::origin is chosen.
+Scene loadScene(const std::string& path, const std::string& camera = {});
 
 /// The camera called `name`, or the one with that index; empty: the first. Usage error if absent.
 const Camera& findCamera(const Scene& scene, const std::string& name);
@@ -81,18 +87,26 @@ CameraRay cameraRay(const Camera& camera, int width, int height, float x, float 
 /// Base colour at uv (bilinear, the full-resolution level) times the factor, and the other factors.
 MaterialParams materialAt(const Scene& scene, const Material& material, const vec2& uv);
 
-/// How far from a surface an eye or a ray starts that leaves it: far above rounding, far below
-/// anything visible.
-float surfaceOffset(const Scene& scene);
+/// How far off a triangle an eye or a ray starts that leaves it at `position`, where its unit
+/// normal is n_g, seen from `distance` away: what rounding may put between the point, the triangle
+/// as rays meet it and a neighbour that touches it there, times a margin; far below anything
+/// visible. Grows with the point's coordinates, with what of the triangle's size lies along its
+/// normal (of a plane along the axes, nothing) and with the way the point was seen over; never with
+/// the scene. Based on: [PJH23, 6.8].
+float surfaceOffset(const Scene& scene, uint32_t triangle, const vec3& position, const vec3& n_g,
+                    float distance);
 
-/// Where it starts, by the scene's surfaceOffset(): at a point of a surface whose unit geometric
-/// normal n_g is on the side of the unit direction `toward_viewer`, from where the point is seen
-/// (zero: from nowhere). The step toward the viewer keeps the start on the viewer's side of a
-/// second surface that touches the first one here.
+/// Where it starts: at a point of a surface whose unit geometric normal n_g is on the side of the
+/// unit direction `toward_viewer`, from where the point is seen (zero: from nowhere). The step
+/// toward the viewer keeps the start on the viewer's side of a second surface that touches the
+/// first one here.
 inline vec3 offSurface(const vec3& position, const vec3& n_g, const vec3& toward_viewer,
                        float offset) {
     return position + offset * (n_g + toward_viewer);
 }
+
+/// From a point to the nearest point of a triangle.
+float distanceToTriangle(const Scene& scene, uint32_t triangle, const vec3& p);
 
 /// Unit geometric normal by winding.
 vec3 geometricNormal(const Scene& scene, int triangle);
