@@ -83,8 +83,8 @@ Model roomAt(const Place& place) {
     if (place.ground > 0.0) {
         scenes::Mesh ground;
         const double g = place.ground;
-        scenes::addQuad(ground, {Point(-g, -0.01, g), Point(g, -0.01, g), Point(g, -0.01, -g),
-                                 Point(-g, -0.01, -g)});
+        scenes::addQuad(ground, {Point(-g, -0.5, g), Point(g, -0.5, g), Point(g, -0.5, -g),
+                                 Point(-g, -0.5, -g)});
         model.add("ground", ground, black);
     }
     if (place.stray > 0.0) {

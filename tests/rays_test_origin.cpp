@@ -113,7 +113,8 @@ TEST(RayOrigin, OffItsOwnPlaneWhateverItsSize) {
             const SurfacePoint p =
                 surfacePoint(scene, 0, u, v, wo, random.uniform(0.0f, 2.0f) * size);
             for (const vec3& viewer : {wo, vec3(0.0f)}) {
-                const vec3 start = offSurface(p.position, p.n_g, viewer, p.offset);
+                const float offset = surfaceOffset(scene, 0, p.position, p.n_g, p.distance);
+                const vec3 start = offSurface(p.position, p.n_g, viewer, offset);
                 for (int k = 0; k < 20; ++k) {
                     EXPECT_FALSE(rays.meetFirst(start, random.direction(p.n_g)))
                         << "size " << size << ", trial " << trial;

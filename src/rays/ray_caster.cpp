@@ -272,8 +272,7 @@ void RayCaster::light(const Rays& rays, std::span<const Hit> hits, vec4* seen) c
             if (arrives[k] && (hit.trace() & bit) != 0) {
                 traced.lanes[k] = -1;
                 any_traced = true;
-                setShadowRay(shadow, k, offSurface(p.position, p.n_g, p.wo, p.offset), light,
-                             samples[k]);
+                setShadowRay(shadow, k, p.eye(scene_), light, samples[k]);
             }
         }
         if (any_traced) {

@@ -11,8 +11,14 @@ struct SurfacePoint {
     uint32_t triangle;
     vec3 barycentric;
     vec3 position;
-    vec3 n_g, wo;  ///< unit; n_g on the side of wo
-    float offset;  ///< surfaceOffset()
+    vec3 n_g, wo;    ///< unit; n_g on the side of wo
+    float distance;  ///< from where it is seen
+
+    /// Where rays start that leave it.
+    vec3 eye(const Scene& scene) const {
+        return offSurface(position, n_g, wo,
+                          surfaceOffset(scene, triangle, position, n_g, distance));
+    }
 };
 
 /// The point at Embree's barycentric (u, v), seen from `distance` away. In double, so that it lies
@@ -29,7 +35,7 @@ inline SurfacePoint surfacePoint(const Scene& scene, uint32_t triangle, float u,
     p.position = vec3((1.0 - u - v) * dvec3(p0) + double{u} * dvec3(p1) + double{v} * dvec3(p2));
     p.n_g = shared::faceViewer(glm::normalize(glm::cross(p1 - p0, p2 - p0)), wo);
     p.wo = wo;
-    p.offset = surfaceOffset(scene, triangle, p.position, p.n_g, distance);
+    p.distance = distance;
     return p;
 }
 

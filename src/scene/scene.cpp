@@ -64,7 +64,7 @@ float surfaceOffset(const Scene& scene, uint32_t triangle, const vec3& position,
     // A vertex as a ray has it, from the ray's origin, is off by half a unit in the last place of
     // the way there; dotted with the normal, which is off likewise, by a few of those. 64 units.
     constexpr float kUnits = 0x1p-17f;
-    constexpr float kOfDistance = 0.125f;
+    constexpr float kOfDistance = 0.25f;
     const uvec3& t = scene.triangles[triangle];
     const vec3 way = glm::max(glm::abs(scene.positions[t.x] - position),
                               glm::max(glm::abs(scene.positions[t.y] - position),
