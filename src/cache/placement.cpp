@@ -480,41 +480,15 @@ Placement Placer::run(bool quiet) {
     return result;
 }
 
-// Appends a placed record with the radius it serves with, and bounds its gradients against that:
-// within its reach a record may change its value by no more than a share of it.
+// Appends a placed record with the radius it serves with, and bounds its gradients against that.
 void Placer::handOver(size_t placed, RecordCache& cache) const {
     Record r = placed_[placed].record;
     r.radius = servingRadius(placed_[placed]);
     r.sh_first = static_cast<int>(cache.sh.size());
     const std::vector<float>& found = field_.records[placed].sh;
     cache.sh.insert(cache.sh.end(), found.begin(), found.end());
-    float* const sh = cache.sh.data() + r.sh_first;
-    const float reach = params_.servingWeight().accuracy * r.radius;
-    vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
-    const ShLayout layout = shLayout(r.order);
-    for (int c = 0; c < 3; ++c) {
-        const float length = glm::length(*translation[c]);
-        const float limit = params_.gradient_limit * r.irradiance[c];
-        if (length * reach > limit) {
-            *translation[c] *= limit / (length * reach);
-        }
-        if (r.order == shared::DIFFUSE_ORDER) {
-            continue;
-        }
-        float* first[2];
-        for (int axis = 0; axis < 2; ++axis) {
-            first[axis] = sh + layout.gradientFirst(axis) + c * layout.gradientCoefficients();
-        }
-        const float value = sh[c * layout.coefficients()];
-        const float change = std::hypot(*first[0], *first[1]) * reach;
-        const float sh_limit = params_.gradient_limit * std::max(value, 0.0f);
-        const float scale = change > sh_limit ? sh_limit / change : 1.0f;
-        for (int axis = 0; axis < 2; ++axis) {
-            for (int k = 0; k < layout.gradientCoefficients(); ++k) {
-                first[axis][k] *= scale;
-            }
-        }
-    }
+    boundGradients(r, cache.sh.data() + r.sh_first, params_.servingWeight().accuracy * r.radius,
+                   params_.gradient_limit);
     cache.records.push_back(r);
 }
 

@@ -37,4 +37,32 @@ vec3 convolveRecord(const Record& k, const float* sh, const float* lobe, int ord
     return sum;
 }
 
+void boundGradients(Record& record, float* sh, float reach, float limit) {
+    vec3* translation[] = {&record.translation_r, &record.translation_g, &record.translation_b};
+    const ShLayout layout = shLayout(record.order);
+    for (int c = 0; c < 3; ++c) {
+        const float change = glm::length(*translation[c]) * reach;
+        const float most = limit * record.irradiance[c];
+        if (change > most) {
+            *translation[c] *= most / change;
+        }
+        if (record.order == shared::DIFFUSE_ORDER) {
+            continue;
+        }
+        float* first[2];
+        for (int axis = 0; axis < 2; ++axis) {
+            first[axis] = sh + layout.gradientFirst(axis) + c * layout.gradientCoefficients();
+        }
+        const float value = sh[c * layout.coefficients()];
+        const float sh_change = std::hypot(*first[0], *first[1]) * reach;
+        const float sh_most = limit * std::max(value, 0.0f);
+        const float scale = sh_change > sh_most ? sh_most / sh_change : 1.0f;
+        for (int axis = 0; axis < 2; ++axis) {
+            for (int k = 0; k < layout.gradientCoefficients(); ++k) {
+                first[axis][k] *= scale;
+            }
+        }
+    }
+}
+
 }  // namespace sheen

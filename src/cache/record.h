@@ -98,6 +98,10 @@ struct RecordCache {
     std::vector<float> sh;
 };
 
+/// Shortens gradients (`sh`: the record's coefficients, none of a diffuse one) so that within
+/// `reach` a value changes by no more than `limit` times itself.
+void boundGradients(Record& record, float* sh, float reach, float limit);
+
 /// A tangent frame (tangent, bitangent, normal) that depends on the normal alone. [DBC17]
 mat3 tangentFrame(const vec3& normal);
 /// The same, turned about the normal by an angle from the tangent toward the bitangent.

@@ -156,12 +156,11 @@ struct OutOfTime {};
 // What decides what a pass renders: its accuracy, and when it is given up.
 struct Pass {
     float accuracy = 0;
-    float rays_for = kInfinity;  // records cast rays as for this accuracy, if it is finer
     double seconds = kInfinity;  // for gathering; OutOfTime is thrown where that is not enough
 };
 
-// placement, which gathers and projects -> splat -> compose. `result` changes only when all is
-// done.
+// placement, which gathers and projects -> splat -> compose. A pass that is given up has changed
+// nothing of `result` but times.
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
                 RenderResult& result) {
     const bool irradiance_only = params.method == Method::kIrradiance;
@@ -172,8 +171,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     }
     HemisphereParams hemisphere = params.gather;
     if (hemisphere.size == 0) {
-        hemisphere.size =
-            gatherSize(state.road, std::min(pass.accuracy, pass.rays_for), hemisphere.kind);
+        hemisphere.size = gatherSize(state.road, pass.accuracy, hemisphere.kind);
     }
     if (hemisphere.extent == 0.0f) {
         hemisphere.extent = gatherExtent(hemisphere.kind);
@@ -247,16 +245,16 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
 // Renders at finer and finer accuracies, until the estimate is at most the target or falls no more.
 void renderToTarget(const RenderParams& params, SceneState& state, ViewState& view,
                     RenderResult& result) {
-    constexpr float kUsualAtPercent = 0.3f;
-    constexpr float kFinestFirst = 0.25f;
+    constexpr float kUsualAtPercent = 0.3f;  // accuracy that most scenes take for an error of 1%,
+                                             // and not quite as fine
+    constexpr float kFinestFirst = 0.25f;    // a target may be out of reach
     // The error falls like this power of the accuracy, until what records do not cause is left:
     // from the first pass on its power is then small (docs/decisions.md).
     constexpr double kUsualPower = 0.7;
     constexpr double kLeastPower = 0.25;
-    constexpr float kTelling = 0.35f;
-    constexpr double kStep = 1.0 / 3.0;  // three times as long: half of that was spent on the way
+    constexpr float kTelling = 0.35f;    // over less of the first accuracy chance hides it
+    constexpr double kStep = 1.0 / 3.0;  // farther ahead little is known
     constexpr double kMargin = 0.85;     // a pass that just misses is lost
-    // What most scenes take for a target, and not quite as fine.
     const float first =
         std::clamp(kUsualAtPercent *
                        static_cast<float>(std::pow(100.0 * params.target_error, 1.0 / kUsualPower)),
@@ -266,7 +264,6 @@ void renderToTarget(const RenderParams& params, SceneState& state, ViewState& vi
         renderPass(params, {.accuracy = accuracy}, state, view, result);
         const double estimate = result.stats.estimate_high;
         of_first = accuracy == first ? result.stats.estimated_rel_rmse : of_first;
-        // Over less, chance hides it.
         const bool falls =
             accuracy > kTelling * first ||
             result.stats.estimated_rel_rmse < of_first * std::pow(accuracy / first, kLeastPower);
