@@ -26,8 +26,9 @@ const float* brdfAlbedoTable() { return kTable; }
 
 vec2 brdfAlbedo(float NoV, float roughness) {
     const vec2 coord = shared::albedoTableCoord(NoV, roughness);
-    const int x = std::min(static_cast<int>(coord.x), kWidth - 2);
-    const int y = std::min(static_cast<int>(coord.y), kHeight - 2);
+    // In this order a NaN finds a cell, too, and stays a NaN.
+    const int x = static_cast<int>(std::min(kWidth - 2.0f, coord.x));
+    const int y = static_cast<int>(std::min(kHeight - 2.0f, coord.y));
     const vec2 f = coord - vec2(x, y);
     const vec2 lower = glm::mix(sample(x, y), sample(x + 1, y), f.x);
     const vec2 upper = glm::mix(sample(x, y + 1), sample(x + 1, y + 1), f.x);
