@@ -6,7 +6,7 @@
 namespace sheen {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef SHEEN_SANITIZED
 constexpr bool kReservesAllAddresses = true;
 #else
 constexpr bool kReservesAllAddresses = false;
