@@ -14,7 +14,7 @@
 namespace sheen {
 namespace {
 
-// What the issue asks of furnaces: 1% of the closed form, in every pixel.
+// Furnaces: 1% of the closed form, in every pixel.
 constexpr float kFurnaceError = 0.01f;
 
 void expectSane(const RenderResult& result, int width, int height) {
