@@ -40,14 +40,14 @@ RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses
     const auto i = static_cast<size_t>(pixel);
     const RayCaster::Receiver p = gbuffer.receiverAt(scene, pixel);
     const vec4& normal = gbuffer.normal.pixels[i];
-    RecordSite site{.position = p.position,
-                    .normal = vec3(normal),
-                    .geometric_normal = p.n_g,
-                    .toward_viewer = p.toward_viewer,
-                    .offset = p.offset,
-                    .seed = seedAt(scene, gbuffer.primitive.pixels[i], p.position,
-                                   gbuffer.position.pixels[i].w * gbuffer.pixel_angle),
-                    .order = classes.orders.pixels[i]};
+    RecordSite site{
+        .position = p.position,
+        .normal = vec3(normal),
+        .geometric_normal = p.n_g,
+        .toward_viewer = p.toward_viewer,
+        .offset = p.offset,
+        .seed = seedAt(scene, gbuffer.primitive.pixels[i], p.position, gbuffer.footprintAt(pixel)),
+        .order = classes.orders.pixels[i]};
     if (!classes.irradiance_only && !classes.isTooGlossy(pixel)) {
         const vec3 f0 = gbuffer.f0.pixels[i];
         site.lobe = {.alpha = shared::alphaFromRoughness(normal.w),

@@ -77,9 +77,7 @@ class Placer {
 
     vec3 position(int i) const { return vec3(gbuffer_.position.pixels[static_cast<size_t>(i)]); }
     vec3 normal(int i) const { return vec3(gbuffer_.normal.pixels[static_cast<size_t>(i)]); }
-    float footprint(int i) const {
-        return gbuffer_.position.pixels[static_cast<size_t>(i)].w * gbuffer_.pixel_angle;
-    }
+    float footprint(int i) const { return gbuffer_.footprintAt(i); }
     int order(int i) const { return classes_.orders.pixels[static_cast<size_t>(i)]; }
     bool uncovered(int i) const {
         return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered;

@@ -25,6 +25,10 @@ struct GBuffer {
     float pixel_angle = 0;  ///< width of a pixel at depth 1
 
     bool seen(int i) const { return position.pixels[static_cast<size_t>(i)].w > 0.0f; }
+    /// What pixel i is wide at the distance of what it sees, in scene units.
+    float footprintAt(int i) const {
+        return position.pixels[static_cast<size_t>(i)].w * pixel_angle;
+    }
     /// Unit, of the triangle that pixel i sees, on the camera's side.
     vec3 geometricNormalAt(const Scene& scene, int i) const;
     /// Where a ray that leaves what pixel i sees starts, and on which side, as offSurface() has it.

@@ -301,7 +301,8 @@ void renderInTime(const RenderParams& params, const Timer& timer, SceneState& st
         const double left = params.time_limit - timer.seconds();
         const double factor =
             std::max(std::pow(pass_timer.seconds() / (kMargin * left), 1.0 / kTimePower), kStep);
-        if (!(left > 0.0 && factor < kWorthwhile) || pass.accuracy <= kFinestAccuracy) {
+        const bool lit = std::isfinite(result.stats.estimated_rel_rmse);
+        if (!(left > 0.0 && factor < kWorthwhile && lit) || pass.accuracy <= kFinestAccuracy) {
             return;
         }
         pass.accuracy = std::max(pass.accuracy * static_cast<float>(factor), kFinestAccuracy);
@@ -384,17 +385,17 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
         case Method::kOctree:
             return renderByOctree(scene_, params);
         case Method::kRadiance:
-        case Method::kIrradiance:
-            break;
-        default:
-            throw std::logic_error("unknown method");
+        case Method::kIrradiance: {
+            findCamera(scene_, params.camera);  // before anything is made for it
+            StageSeconds seconds;
+            if (!state_ || state_->road != params.gather_road) {
+                state_.reset();  // never two of them in memory
+                state_ = std::make_unique<SceneState>(scene_, params.gather_road, seconds);
+            }
+            return renderByCache(*state_, seconds, params, timer);
+        }
     }
-    StageSeconds seconds;
-    if (!state_ || state_->road != params.gather_road) {
-        state_.reset();  // never two of them in memory
-        state_ = std::make_unique<SceneState>(scene_, params.gather_road, seconds);
-    }
-    return renderByCache(*state_, seconds, params, timer);
+    throw std::logic_error("unknown method");
 }
 
 RenderResult Session::render(const RenderParams& params) {

@@ -27,11 +27,12 @@ struct RenderParams {
     // The cached methods; of these the octree heeds the accuracy and, as rings of rays,
     // gather.size.
     PlacementParams placement{.min_pixels = 0.0f};  ///< min_pixels 0: by the accuracy
-    /// Above 0: the accuracy is lowered from 1, in several passes, until the image's error is at
-    /// most this by the upper end of its estimate; placement.accuracy is not used.
+    /// Above 0: rendered at finer and finer accuracies, in several passes, until the image's error
+    /// is at most this by the upper end of its estimate; placement.accuracy is not used.
     double target_error = 0;
-    /// Above 0: likewise, as far as fits into so many seconds of wall time from the call on. What
-    /// the image is then depends on the machine. The first, coarsest pass is always finished.
+    /// Above 0: likewise, from an accuracy of 2 on, as far as fits into so many seconds of wall
+    /// time from the call on. The image then depends on the machine. The first pass is always
+    /// finished.
     double time_limit = 0;
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;

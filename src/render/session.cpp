@@ -45,15 +45,14 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
     if (cells && near == boxes) {
         return;
     }
+    cells.reset();  // made last: there are none where anything fails
     near = boxes;
-    {
-        const StageTimer timer(seconds.gather);
-        cells.emplace(rays, near);
-    }
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         renderShadowMaps(pool, scene, gpu, near);
     }
+    const StageTimer timer(seconds.gather);
+    cells.emplace(rays, near);
 }
 
 SceneState::~SceneState() {
