@@ -129,10 +129,10 @@ void RayCaster::cast(const Rays& rays, vec4* seen, const LightCells* cells, vec3
         }
         for (size_t i = 0; i < count; ++i) {
             const Hit& hit = hits[i];
-            const vec3& radiance =
+            const vec3 radiance =
                 hit.cell != nullptr
                     ? hit.cell->radiance
-                    : scene_.materials[scene_.materials_of[hit.triangle]].params.emission;
+                    : emissionAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
             seen[hit.ray] = vec4(radiance, hit.distance);
         }
         const std::span<Hit> all(hits, count);
