@@ -427,9 +427,7 @@ Camera framingCamera(const Bounds& bounds) {
 bool isDark(const Scene& scene) {
     return scene.lights.empty() &&
            std::all_of(scene.materials_of.begin(), scene.materials_of.end(),
-                       [&](uint32_t material) {
-                           return scene.materials[material].params.emission == vec3(0.0f);
-                       });
+                       [&](uint32_t material) { return !scene.materials[material].emits(); });
 }
 
 // From above, to the left of the framing camera. White that faces it has radiance 1.

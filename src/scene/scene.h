@@ -29,6 +29,9 @@ struct Material {
     std::string name;             ///< one line
     MaterialParams params;        ///< factors; base_color is multiplied by the texture
     int base_color_texture = -1;  ///< index into Scene::textures, or -1
+
+    /// Whether some point of it does.
+    bool emits() const { return params.emission != vec3(0.0f); }
 };
 
 struct Camera {
@@ -84,8 +87,15 @@ struct CameraRay {
 };
 CameraRay cameraRay(const Camera& camera, int width, int height, float x, float y);
 
-/// Base colour at uv (bilinear, the full-resolution level) times the factor, and the other factors.
-MaterialParams materialAt(const Scene& scene, const Material& material, const vec2& uv);
+/// The material at a point of a triangle, `barycentric` weighting its three vertices: textures (the
+/// full-resolution level) and all else that varies over the surface applied. Every pass asks here.
+MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+
+/// What the point emits, nits: the emission of materialAt(), for less.
+vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+
+/// Of all points of a triangle, nits.
+vec3 meanEmission(const Scene& scene, uint32_t triangle);
 
 /// How far off a triangle an eye or a ray starts that leaves it at `position`, where its unit
 /// normal is n_g, seen from `distance` away: what rounding may put between the point, the triangle
