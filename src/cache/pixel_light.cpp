@@ -38,7 +38,7 @@ uint32_t seedAt(const Scene& scene, uint32_t triangle, const vec3& position, flo
 RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
                   int pixel) {
     const auto i = static_cast<size_t>(pixel);
-    const RayCaster::Receiver p = gbuffer.receiverAt(scene, pixel);
+    const SurfaceSide p = gbuffer.sideAt(scene, pixel);
     const vec4& normal = gbuffer.normal.pixels[i];
     RecordSite site{
         .position = p.position,

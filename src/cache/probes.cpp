@@ -184,8 +184,8 @@ std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const PixelCl
 }
 
 void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                  const RecordField& field, const GatherFunction& gather, const RayCaster& rays,
-                  const LightCells& cells, const SpecularParams& params, std::span<Probe> probes) {
+                  const RecordField& field, const GatherFunction& gather, const OutgoingLight& outgoing,
+                  const SpecularParams& params, std::span<Probe> probes) {
     std::vector<RecordSite> sites(probes.size());
     parallelFor(static_cast<int>(probes.size()), [&](int k) {
         RecordSite& site = sites[static_cast<size_t>(k)];
@@ -204,7 +204,7 @@ void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses
             const auto pixel = static_cast<size_t>(probe.pixel);
             vec3 light = g.lobe_light;
             if (classes.by_rays.pixels[pixel] != 0) {
-                light = seeAgain(rays, cells, gbuffer, probe.pixel, kLobeRays, half, params);
+                light = seeAgain(outgoing, gbuffer, probe.pixel, kLobeRays, half, params);
             }
             probe.light[half] = vec3(gbuffer.diffuse.pixels[pixel]) * g.record.irradiance / kPi;
             if (!classes.irradiance_only) {

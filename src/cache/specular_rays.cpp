@@ -16,7 +16,7 @@ namespace sheen {
 namespace {
 
 // A row of samples is a packet of rays.
-constexpr int kRowSamples = RayCaster::kPacket;
+constexpr int kRowSamples = Tracer::kPacket;
 constexpr uint32_t kMostSamples = 1u << 16u;  // of a pixel, more than there are
 
 struct Lobe {
@@ -34,19 +34,19 @@ struct Lobe {
 // highlights as wide as the cone it stands for: where that is counted too wide, mirrored highlights
 // are blurred. Rays are weighted by the estimator of visible normals, F G2 / G1, whose mean is the
 // lobe's albedo.
-SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& gbuffer,
+SpecularSeen see(const OutgoingLight& light, const GBuffer& gbuffer,
                  const ivec2& at, float rays_share, float sharing, const SpecularParams& params,
                  uint32_t sample = 0) {
     const Lobe lobe(gbuffer, at);
     const int i = at.y * gbuffer.width + at.x;
-    const RayCaster::Receiver from = gbuffer.receiverAt(rays.scene(), i);
+    const SurfaceSide from = gbuffer.sideAt(light.scene(), i);
     const vec3& n_g = from.n_g;
     const mat3 frame = tangentFrame(lobe.n);
     const vec3 wo_local = glm::transpose(frame) * lobe.wo;
     const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
     const vec3 f0 = gbuffer.f0.at(at.x, at.y);
     const float f90 = gbuffer.diffuse.at(at.x, at.y).w;
-    const vec3 eye = offSurface(from.position, n_g, from.toward_viewer, from.offset);
+    const vec3 eye = from.start();
     const float wanted = rays_share * std::min(params.rays_per_alpha * lobe.alpha,
                                                static_cast<float>(params.max_rays));
     const int rows = std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), 1);
@@ -89,10 +89,10 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const GBuffer& 
                 weights[count++] = weight;
             }
         }
-        rays.cast({.origin = eye,
+        light.cast({.origin = eye,
                    .directions = {directions, count},
                    .solid_angles = {solid_angles, count}},
-                  seen, cells);
+                  seen);
         for (size_t k = 0; k < count; ++k) {
             result.light[halves[k]] += weights[k] * vec3(seen[k]);
             result.nearness += seen[k].w > 0.0f ? 1.0f / seen[k].w : 0.0f;
@@ -122,31 +122,31 @@ void forEachByRays(const PixelClasses& classes, const F& body) {
 
 }  // namespace
 
-Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells,
-                                  const GBuffer& gbuffer, const PixelClasses& classes,
+Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const GBuffer& gbuffer,
+                                  const PixelClasses& classes,
                                   const SpecularParams& params) {
     // As many pixels as a Gaussian counts for: 4 pi times its variance.
     const float sharing = std::max(4.0f * kPi * params.window * params.window, 1.0f);
     Image<SpecularSeen> seen(gbuffer.width, gbuffer.height);
     forEachByRays(classes, [&](int x, int y) {
         if (!classes.isCorrected(x, y)) {
-            seen.at(x, y) = see(rays, cells, gbuffer, {x, y}, 1.0f, 1.0f, params);
+            seen.at(x, y) = see(light, gbuffer, {x, y}, 1.0f, 1.0f, params);
             return;
         }
         // Their noise shows by the lobe's share of what a pixel reflects: so do their rays [Ney34].
         const float specular = luminance(specularAlbedo(gbuffer, y * gbuffer.width + x));
         const float all = specular + luminance(vec3(gbuffer.diffuse.at(x, y)));
         const float share = specular / std::max(all, 1e-12f);
-        seen.at(x, y) = see(rays, cells, gbuffer, {x, y}, share, sharing, params);
+        seen.at(x, y) = see(light, gbuffer, {x, y}, share, sharing, params);
     });
     return seen;
 }
 
-vec3 seeAgain(const RayCaster& rays, const LightCells& cells, const GBuffer& gbuffer, int pixel,
+vec3 seeAgain(const OutgoingLight& light, const GBuffer& gbuffer, int pixel,
               float share, int sample, const SpecularParams& params) {
     const ivec2 at(pixel % gbuffer.width, pixel / gbuffer.width);
     const SpecularSeen seen =
-        see(rays, &cells, gbuffer, at, share, 1.0f, params, static_cast<uint32_t>(sample + 1));
+        see(light, gbuffer, at, share, 1.0f, params, static_cast<uint32_t>(sample + 1));
     return (seen.light[0] + seen.light[1]) /
            glm::max(seen.weight[0] + seen.weight[1], vec3(1e-12f));
 }

@@ -12,7 +12,7 @@ namespace sheen {
 namespace {
 
 // Writes what a pixel sees. A surface at the eye itself has no depth and is not seen.
-void writePixel(const Scene& scene, const RayCaster::FirstHit& hit, const vec3& direction, size_t i,
+void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_t i,
                 GBuffer& g) {
     const SurfacePoint p =
         surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
@@ -61,8 +61,8 @@ Bounds grown(const Bounds& box, float share) {
 
 }  // namespace
 
-GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height) {
-    const Scene& scene = rays.scene();
+GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height) {
+    const Scene& scene = tracer.scene();
     GBuffer result;
     result.width = width;
     result.height = height;
@@ -81,8 +81,9 @@ GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, in
         for (int x = 0; x < width; ++x) {
             const CameraRay ray =
                 cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
-            if (const auto hit = rays.meetFirst(ray.origin, ray.direction)) {
-                writePixel(scene, *hit, ray.direction, static_cast<size_t>(y * width + x), result);
+            const Hit hit = tracer.meetAlone(ray.origin, ray.direction);
+            if (hit.found()) {
+                writePixel(scene, hit, ray.direction, static_cast<size_t>(y * width + x), result);
             }
         }
     });
@@ -173,7 +174,7 @@ vec3 GBuffer::geometricNormalAt(const Scene& scene, int i) const {
                               view.origin - vec3(position.pixels[pixel]));
 }
 
-RayCaster::Receiver GBuffer::receiverAt(const Scene& scene, int i) const {
+SurfaceSide GBuffer::sideAt(const Scene& scene, int i) const {
     const auto pixel = static_cast<size_t>(i);
     const vec3 p(position.pixels[pixel]);
     const vec3 n_g = geometricNormalAt(scene, i);

@@ -6,7 +6,8 @@
 #include "gl/worker_pool.h"
 #include "image/image.h"
 #include "raster/gpu_scene.h"
-#include "rays/ray_caster.h"
+#include "rays/surface_point.h"
+#include "rays/tracer.h"
 
 namespace sheen {
 
@@ -32,11 +33,11 @@ struct GBuffer {
     /// Unit, of the triangle that pixel i sees, on the camera's side.
     vec3 geometricNormalAt(const Scene& scene, int i) const;
     /// Where a ray that leaves what pixel i sees starts, and on which side, as offSurface() has it.
-    RayCaster::Receiver receiverAt(const Scene& scene, int i) const;
+    SurfaceSide sideAt(const Scene& scene, int i) const;
 };
 
 /// What a ray through each pixel's middle meets first. Direct light is black.
-GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height);
+GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height);
 
 /// Boxes of surfaces, each within the next, from what the camera sees nearest to it on to all but
 /// the scene's bounds: none where these are hardly larger, as where a room is the scene.

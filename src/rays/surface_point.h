@@ -39,6 +39,16 @@ inline SurfacePoint surfacePoint(const Scene& scene, uint32_t triangle, float u,
     return p;
 }
 
+/// A point of a surface, and the side of it that light arrives on or leaves from.
+struct SurfaceSide {
+    vec3 position;
+    vec3 n_g, toward_viewer;  ///< unit; n_g on that side
+    float offset;
+
+    /// Where rays start that leave it.
+    vec3 start() const { return offSurface(position, n_g, toward_viewer, offset); }
+};
+
 /// Whether light scatters alike in all directions.
 inline bool isLambertian(const MaterialParams& material) {
     return material.metallic == 0.0f && material.specular == 0.0f;

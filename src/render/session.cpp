@@ -1,6 +1,6 @@
 #include "render/session.h"
 
-#include "cache/direct_rays.h"
+#include "light/direct.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "splat/splat.h"
@@ -34,7 +34,7 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
       road(road_),
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
-      rays(timed(seconds.gather, [&] { return RayCaster(scene); })) {
+      tracer(timed(seconds.gather, [&] { return Tracer(scene); })) {
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
@@ -42,17 +42,17 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
 }
 
 void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds) {
-    if (cells && near == boxes) {
+    if (outgoing && near == boxes) {
         return;
     }
-    cells.reset();  // made last: there are none where anything fails
+    outgoing.reset();  // made last: there are none where anything fails
     near = boxes;
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         renderShadowMaps(pool, scene, gpu, near);
     }
     const StageTimer timer(seconds.gather);
-    cells.emplace(rays, near);
+    outgoing.emplace(tracer, LightCells(tracer, near));
 }
 
 SceneState::~SceneState() {
@@ -69,7 +69,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     {
         const StageTimer timer(seconds.gbuffer);
         const Camera camera = findCamera(state.scene, params.camera);
-        gbuffer = renderGBuffer(state.rays, camera, params.width, params.height);
+        gbuffer = renderGBuffer(state.tracer, camera, params.width, params.height);
         classes = classifyPixels(state.scene, gbuffer, params.sh_order,
                                  params.method == Method::kIrradiance);
         lobes = buildLobes(gbuffer, classes);
@@ -79,14 +79,14 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {
-            gbuffer.direct = traceDirect(state.rays, gbuffer);
+            gbuffer.direct = traceDirect(state.tracer, gbuffer);
         } else {
             lightGBuffer(state.pool, state.gpu, gbuffer);
         }
     }
     if (classes.anyByRays()) {
         const StageTimer timer(seconds.gather);
-        specular = traceSpecular(state.rays, &*state.cells, gbuffer, classes, params.specular);
+        specular = traceSpecular(*state.outgoing, gbuffer, classes, params.specular);
     }
 }
 

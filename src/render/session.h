@@ -9,8 +9,8 @@
 #include "gl/worker_pool.h"
 #include "raster/gbuffer.h"
 #include "raster/gpu_scene.h"
-#include "rays/light_cells.h"
-#include "rays/ray_caster.h"
+#include "light/scattered_once.h"
+#include "rays/tracer.h"
 #include "render/render.h"
 
 namespace sheen {
@@ -21,8 +21,8 @@ struct SceneState {
     const Scene& scene;
     const GatherRoad road;
     gl::WorkerPool pool;
-    RayCaster rays;
-    std::optional<LightCells> cells;
+    Tracer tracer;
+    std::optional<ScatteredOnce> outgoing;  // what rays see
     GpuScene gpu;              // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
 

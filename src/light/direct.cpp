@@ -1,19 +1,20 @@
-#include "cache/direct_rays.h"
+#include "light/direct.h"
 
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "light/punctual.h"
 #include "rays/surface_point.h"
 
 namespace sheen {
 
-Image<vec3> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
-    constexpr int kPacket = RayCaster::kPacket;
-    const Scene& scene = rays.scene();
+Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer) {
+    constexpr int kPacket = Tracer::kPacket;
+    const Scene& scene = tracer.scene();
     Image<vec3> direct(gbuffer.width, gbuffer.height);
     parallelFor(gbuffer.height, [&](int y) {
         size_t pixels[kPacket];
-        RayCaster::Receiver receivers[kPacket];
+        SurfaceSide points[kPacket];
         for (int x = 0; x < gbuffer.width;) {
             // The row's next pixels that see something.
             size_t count = 0;
@@ -23,10 +24,10 @@ Image<vec3> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
                     continue;
                 }
                 pixels[count] = static_cast<size_t>(i);
-                receivers[count++] = gbuffer.receiverAt(scene, i);
+                points[count++] = gbuffer.sideAt(scene, i);
             }
             for (const PunctualLight& light : scene.lights) {
-                const uint32_t lit = rays.reached(light, {receivers, count});
+                const uint32_t lit = reached(tracer, light, {points, count});
                 for (size_t k = 0; k < count; ++k) {
                     if ((lit >> k & 1u) == 0) {
                         continue;
@@ -40,8 +41,8 @@ Image<vec3> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
                                                      .f0 = gbuffer.f0.pixels[i],
                                                      .f90 = diffuse.w}};
                     direct.pixels[i] +=
-                        scattered(surface, receivers[k].toward_viewer,
-                                  shared::sampleLight(light, receivers[k].position));
+                        scattered(surface, points[k].toward_viewer,
+                                  shared::sampleLight(light, points[k].position));
                 }
             }
         }
