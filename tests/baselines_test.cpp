@@ -23,7 +23,7 @@ Surface pointAt(const vec3& p, const vec3& n) {
 
 WardRecord gather(const RayScene& rays, const vec3& p, const vec3& n, int rings) {
     Counters counters;
-    return gatherRecord(rays, pointAt(p, n), WardStrata(rings), 7, counters);
+    return gatherRecord(rays, Lights(rays.scene()), pointAt(p, n), WardStrata(rings), 7, counters);
 }
 
 // A black floor under a lamp that hangs beside and above the origin; a black tile hides part of it.
