@@ -54,7 +54,7 @@ struct CostOfError {
 };
 
 std::vector<Way> gatherEveryWay(const BenchScene& scene, int sites) {
-    const ScatteredOnce light(scene.tracer, LightCells(scene.tracer));
+    const ScatteredOnce light(scene.tracer, nullptr, LightCells(scene.tracer));
     const RayScene rays(scene.scene);
     std::vector<Way> ways;
     std::vector<WardStrata> strata;

@@ -92,7 +92,7 @@ PixelClasses uniformClasses(const GBuffer& gbuffer, int order) {
 
 GatherScene::GatherScene(const SceneChoice& choice, Scene made)
     : scene(choice.name, std::move(made), kSites),
-      light(scene.tracer, LightCells(scene.tracer)),
+      light(scene.tracer, nullptr, LightCells(scene.tracer)),
       yardstick(scene.scene) {}
 
 Setup::Setup(std::string folder, int gl_workers)

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/directions.h"
 #include "core/math.h"
 #include "scene/scene.h"
 
@@ -102,9 +103,8 @@ struct RecordCache {
 /// `reach` a value changes by no more than `limit` times itself.
 void boundGradients(Record& record, float* sh, float reach, float limit);
 
-/// A tangent frame (tangent, bitangent, normal) that depends on the normal alone. [DBC17]
-mat3 tangentFrame(const vec3& normal);
-/// The same, turned about the normal by an angle from the tangent toward the bitangent.
+/// The tangent frame of a normal, turned about it by an angle from the tangent toward the
+/// bitangent.
 mat3 tangentFrame(const vec3& normal, float angle);
 
 /// A lobe [order * order] times a record's coefficients (`sh`, in ShLayout) extrapolated to p, RGB.

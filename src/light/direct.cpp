@@ -3,12 +3,26 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "light/lamp_light.h"
 #include "light/punctual.h"
 #include "rays/surface_point.h"
 
 namespace sheen {
+namespace {
 
-Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer) {
+Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
+    const vec4& normal = gbuffer.normal.pixels[i];
+    const vec4& diffuse = gbuffer.diffuse.pixels[i];
+    return {.n = vec3(normal),
+            .brdf = {.diffuse = vec3(diffuse),
+                     .alpha = shared::alphaFromRoughness(normal.w),
+                     .f0 = gbuffer.f0.pixels[i],
+                     .f90 = diffuse.w}};
+}
+
+}  // namespace
+
+Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer) {
     constexpr int kPacket = Tracer::kPacket;
     const Scene& scene = tracer.scene();
     Image<vec3> direct(gbuffer.width, gbuffer.height);
@@ -33,19 +47,27 @@ Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer) {
                         continue;
                     }
                     const size_t i = pixels[k];
-                    const vec4& normal = gbuffer.normal.pixels[i];
-                    const vec4& diffuse = gbuffer.diffuse.pixels[i];
-                    const Scatterer surface{.n = vec3(normal),
-                                            .brdf = {.diffuse = vec3(diffuse),
-                                                     .alpha = shared::alphaFromRoughness(normal.w),
-                                                     .f0 = gbuffer.f0.pixels[i],
-                                                     .f90 = diffuse.w}};
-                    direct.pixels[i] += scattered(surface, points[k].toward_viewer,
+                    direct.pixels[i] += scattered(scattererAt(gbuffer, i), points[k].toward_viewer,
                                                   shared::sampleLight(light, points[k].position));
                 }
             }
         }
     });
+    if (lamps.empty()) {
+        return direct;
+    }
+    const auto pointAt = [&](int x, int y) -> std::optional<LitPoint> {
+        const int i = y * gbuffer.width + x;
+        if (!gbuffer.seen(i)) {
+            return std::nullopt;
+        }
+        return LitPoint{.side = gbuffer.sideAt(scene, i),
+                        .surface = scattererAt(gbuffer, static_cast<size_t>(i))};
+    };
+    const Image<vec3> of_lamps = lampLight(tracer, lamps, gbuffer.width, gbuffer.height, pointAt);
+    for (size_t i = 0; i < direct.pixels.size(); ++i) {
+        direct.pixels[i] += of_lamps.pixels[i];
+    }
     return direct;
 }
 

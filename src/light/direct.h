@@ -1,13 +1,15 @@
 // Direct light by rays.
 #pragma once
 
+#include "light/lamps.h"
 #include "raster/gbuffer.h"
 #include "rays/tracer.h"
 
 namespace sheen {
 
-/// Radiance of direct light that each pixel of the G-buffer scatters toward the camera, a shadow
-/// ray from its middle for each light. Black where nothing is seen.
-Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer);
+/// Radiance of direct light that each pixel of the G-buffer scatters toward the camera: of punctual
+/// lights by a shadow ray from its middle to each, of lamps by samples (lampLight()). Black where
+/// nothing is seen.
+Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer);
 
 }  // namespace sheen

@@ -214,7 +214,7 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
     LitTriangle result;
     for (int side = 0; side < 2; ++side) {
         std::vector<Cell>& cells = result.cells[side];
-        const Cell unlit{.radiance = material.params.emission, .shade = others, .trace = others};
+        const Cell unlit{.shade = others, .trace = others};
         if (facing[side] == 0) {
             cells.assign(1, unlit);
             continue;

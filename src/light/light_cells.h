@@ -18,7 +18,7 @@ class LightCells {
     explicit LightCells(const Tracer& tracer, const std::vector<Bounds>& near = {});
 
     struct Cell {
-        /// Emission, and on a Lambertian surface the light of what reaches all of the cell.
+        /// On a Lambertian surface the light of what reaches all of the cell.
         vec3 radiance{0.0f};
         uint16_t shade = 0;  ///< lights that are yet to be added, by bit()
         uint16_t trace = 0;  ///< those of them that may be hidden from a part of the cell

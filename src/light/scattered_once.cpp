@@ -1,8 +1,10 @@
 #include "light/scattered_once.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "light/punctual.h"
+#include "rays/jitter.h"
 #include "rays/surface_point.h"
 
 namespace sheen {
@@ -22,8 +24,8 @@ void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
     size_t count = 0;
     for (size_t i = 0; i < hits.size(); ++i) {
         const Hit& hit = hits[i];
-        radiance[i] = vec3(0.0f);
         if (!hit.found()) {
+            radiance[i] = sky_.radiance(rays.directions[i]);
             continue;
         }
         const float area = rays.solidAngle(i) * hit.distance * hit.distance;
@@ -36,10 +38,13 @@ void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
     }
     const std::span<Lit> all(lit, count);
     for (const Lit& l : all) {
-        const Hit& hit = *l.hit;
-        radiance[l.ray] = l.cell != nullptr ? l.cell->radiance
-                                            : emissionAt(scene(), hit.triangle,
-                                                         vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
+        radiance[l.ray] = l.cell != nullptr ? l.cell->radiance : vec3(0.0f);
+        const uint32_t triangle = l.hit->triangle;
+        if (scene().materials[scene().materials_of[triangle]].emits() &&
+            (lamps_ == nullptr || !lamps_->isLamp(triangle))) {
+            radiance[l.ray] +=
+                emissionAt(scene(), triangle, vec3(1.0f - l.hit->u - l.hit->v, l.hit->u, l.hit->v));
+        }
     }
     const auto dark =
         std::partition(all.begin(), all.end(), [](const Lit& l) { return l.shade() != 0; });
@@ -47,14 +52,22 @@ void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
         std::partition(all.begin(), dark, [](const Lit& l) { return l.trace() != 0; });
     for (const std::span<Lit> lacking : {std::span(all.begin(), known), std::span(known, dark)}) {
         for (size_t i = 0; i < lacking.size(); i += Tracer::kPacket) {
-            light(rays, lacking.subspan(i, std::min<size_t>(Tracer::kPacket, lacking.size() - i)),
-                  radiance);
+            addPunctual(rays,
+                        lacking.subspan(i, std::min<size_t>(Tracer::kPacket, lacking.size() - i)),
+                        radiance);
+        }
+    }
+    if ((lamps_ != nullptr && !lamps_->empty()) || !sky_.empty()) {
+        for (size_t i = 0; i < all.size(); i += Tracer::kPacket) {
+            addSampled(rays, all.subspan(i, std::min<size_t>(Tracer::kPacket, all.size() - i)),
+                       radiance);
         }
     }
 }
 
 // Adds the punctual lights that a packet of hits lacks.
-void ScatteredOnce::light(const Rays& rays, std::span<const Lit> lacking, vec3* radiance) const {
+void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
+                                vec3* radiance) const {
     SurfacePoint points[Tracer::kPacket];
     for (size_t k = 0; k < lacking.size(); ++k) {
         const Hit& hit = *lacking[k].hit;
@@ -95,6 +108,56 @@ void ScatteredOnce::light(const Rays& rays, std::span<const Lit> lacking, vec3* 
                 shared::filteredAlpha(surface.brdf.alpha, rays.solidAngle(ray),
                                       lacking[k].hit->distance, samples[k].distance);
             radiance[ray] += scattered(surface, points[k].wo, samples[k]);
+        }
+    }
+}
+
+// Adds, to a packet of hits, one sample of all lamps and one of the sky: many rays share a record,
+// and average what chance adds to each.
+void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3* radiance) const {
+    constexpr int kSources = 2;
+    vec3 light[kSources][Tracer::kPacket];
+    Way ways[kSources][Tracer::kPacket];
+    for (size_t k = 0; k < lit.size(); ++k) {
+        const Hit& hit = *lit[k].hit;
+        const SurfacePoint p = surfacePoint(scene(), hit.triangle, hit.u, hit.v,
+                                            -rays.directions[lit[k].ray], hit.distance);
+        const SurfaceSide side{
+            .position = p.position,
+            .n_g = p.n_g,
+            .toward_viewer = p.wo,
+            .offset = surfaceOffset(scene(), hit.triangle, p.position, p.n_g, p.distance)};
+        const Scatterer surface = scattererAt(scene(), p);
+        // What the point says, and no count of points before it.
+        const uint32_t seed =
+            pcgHash(hit.triangle + pcgHash(std::bit_cast<uint32_t>(hit.u) +
+                                           pcgHash(std::bit_cast<uint32_t>(hit.v))));
+        const vec2 u = randomPlace(seed, 0), v = randomPlace(seed, 1);
+        const auto arriving = [&](const vec3& wi, float distance, const vec3& irradiance) {
+            Scatterer seen = surface;
+            seen.brdf.alpha = shared::filteredAlpha(seen.brdf.alpha, rays.solidAngle(lit[k].ray),
+                                                    hit.distance, distance);
+            return scattered(seen, p.wo,
+                             {.wi = wi, .distance = distance, .irradiance = irradiance});
+        };
+        if (lamps_ != nullptr) {
+            if (const auto s = lamps_->sample(side, surface.n, vec3(u, v.x))) {
+                light[0][k] = arriving(s->wi, s->distance, s->radiance / s->density);
+                ways[0][k] = s->way;
+            }
+        }
+        if (!sky_.empty()) {
+            const SkySampler::Sample s = sky_.sample(surface.n, v);
+            if (s.density > 0.0f && glm::dot(s.wi, p.n_g) > 0.0f) {
+                light[1][k] = arriving(s.wi, -1.0f, s.radiance / s.density);
+                ways[1][k] = {.start = side.start(), .direction = s.wi, .length = kInfinity};
+            }
+        }
+    }
+    for (int source = 0; source < kSources; ++source) {
+        const uint32_t free = tracer().free({ways[source], lit.size()});
+        for (size_t k = 0; k < lit.size(); ++k) {
+            radiance[lit[k].ray] += (free >> k & 1u) != 0 ? light[source][k] : vec3(0.0f);
         }
     }
 }

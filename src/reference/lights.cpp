@@ -24,33 +24,11 @@ Barycentric uniformPoint(const vec2& u) {
     return {root * (1.0f - u.y), root * u.y};
 }
 
-template <class T>
-T interpolate(const std::vector<T>& values, const uvec3& t, const Barycentric& at) {
-    return (1.0f - at.u - at.v) * values[t.x] + at.u * values[t.y] + at.v * values[t.z];
-}
-
-vec3 emissionAt(const Scene& scene, uint32_t triangle, const Barycentric& at) {
-    return materialAt(scene, scene.materials[scene.materials_of[triangle]],
-                      interpolate(scene.uvs, scene.triangles[triangle], at))
-        .emission;
-}
-
 float areaOf(const Scene& scene, uint32_t triangle) {
     const uvec3& t = scene.triangles[triangle];
     const glm::dvec3 p0(scene.positions[t.x]);
     return static_cast<float>(0.5 * glm::length(glm::cross(glm::dvec3(scene.positions[t.y]) - p0,
                                                            glm::dvec3(scene.positions[t.z]) - p0)));
-}
-
-// The mean over the triangle, by a few points: how often it is chosen decides noise only.
-float meanEmission(const Scene& scene, uint32_t triangle) {
-    constexpr int kSide = 4;
-    float sum = 0.0f;
-    for (int i = 0; i < kSide * kSide; ++i) {
-        const vec2 u = (vec2(i % kSide, i / kSide) + 0.5f) / static_cast<float>(kSide);
-        sum += sumOf(emissionAt(scene, triangle, uniformPoint(u)));
-    }
-    return sum / (kSide * kSide);
 }
 
 // The last i whose cumulative share is at most u, never an empty one.
@@ -73,10 +51,10 @@ Lamps::Lamps(const Scene& scene) : scene_(scene) {
     std::vector<double> powers;
     double total = 0.0;
     for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-        if (scene.materials[scene.materials_of[i]].params.emission == vec3(0.0f)) {
+        if (!scene.materials[scene.materials_of[i]].emits()) {
             continue;
         }
-        const double power = static_cast<double>(areaOf(scene, i)) * meanEmission(scene, i);
+        const double power = static_cast<double>(areaOf(scene, i)) * sumOf(meanEmission(scene, i));
         if (power > 0.0) {
             triangles_.push_back(i);
             powers.push_back(power);
@@ -102,7 +80,9 @@ LightChoice Lamps::choose(const vec3& from, const vec2& u) const {
     const uint32_t triangle = triangles_[lamp];
     const Barycentric at = uniformPoint({within<double>(shares_.data(), lamp, u.x), u.y});
     const uvec3& t = scene_.triangles[triangle];
-    const vec3 way = interpolate(scene_.positions, t, at) - from;
+    const vec3 barycentric(1.0f - at.u - at.v, at.u, at.v);
+    const vec3 way = barycentric.x * scene_.positions[t.x] + barycentric.y * scene_.positions[t.y] +
+                     barycentric.z * scene_.positions[t.z] - from;
     const float distance = glm::length(way);
     const vec3 n = glm::cross(scene_.positions[t.y] - scene_.positions[t.x],
                               scene_.positions[t.z] - scene_.positions[t.x]);
@@ -111,7 +91,7 @@ LightChoice Lamps::choose(const vec3& from, const vec2& u) const {
     if (distance > 0.0f && cosine > 0.0f) {
         choice.way = {
             .origin = from, .direction = way / distance, .distance = distance * kWayShare};
-        choice.radiance = emissionAt(scene_, triangle, at);
+        choice.radiance = emissionAt(scene_, triangle, barycentric);
         choice.pdf = densities_[triangle] * distance * distance / cosine;
     }
     return choice;

@@ -34,7 +34,8 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
       road(road_),
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
-      tracer(timed(seconds.gather, [&] { return Tracer(scene); })) {
+      tracer(timed(seconds.gather, [&] { return Tracer(scene); })),
+      lamps(timed(seconds.gather, [&] { return LampSampler(tracer); })) {
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
@@ -52,7 +53,7 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
         renderShadowMaps(pool, scene, gpu, near);
     }
     const StageTimer timer(seconds.gather);
-    outgoing.emplace(tracer, LightCells(tracer, near));
+    outgoing.emplace(tracer, &lamps, LightCells(tracer, near));
 }
 
 SceneState::~SceneState() {
@@ -79,7 +80,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {
-            gbuffer.direct = traceDirect(state.tracer, gbuffer);
+            gbuffer.direct = traceDirect(state.tracer, state.lamps, gbuffer);
         } else {
             lightGBuffer(state.pool, state.gpu, gbuffer);
         }

@@ -15,13 +15,14 @@
 
 namespace sheen {
 
-/// Made of a scene once: OpenGL contexts, Embree's tree, which lights reach which surfaces, and,
+/// Made of a scene once: OpenGL contexts, Embree's tree, its lamps, which lights reach which surfaces, and,
 /// for the raster road, the scene and its shadow maps on the GPU.
 struct SceneState {
     const Scene& scene;
     const GatherRoad road;
     gl::WorkerPool pool;
     Tracer tracer;
+    LampSampler lamps;
     std::optional<ScatteredOnce> outgoing;  // what rays see
     GpuScene gpu;                           // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes

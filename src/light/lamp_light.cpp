@@ -1,0 +1,198 @@
+#include "light/lamp_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/directions.h"
+#include "core/parallel.h"
+#include "rays/jitter.h"
+#include "scene/ggx_sampling.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kPacket = Tracer::kPacket;
+constexpr int kFirst = 16;       // samples of every pixel
+constexpr int kMore = 240;       // besides, where the first disagree
+constexpr int kAround = 2;       // pixels around those
+constexpr float kDoubt = 0.04f;  // standard error of the first, over their mean, from which on
+
+// Lobes wider than this are left to the directions toward lamps, others are followed too.
+constexpr float kWideLobe = 0.35f;
+
+// Steps of the R3 sequence, whose points fill a cube evenly, however many there are [Rob18].
+constexpr vec3 kSpread(0.8191725f, 0.6710436f, 0.5497005f);
+
+// What a pixel's samples add up to.
+struct Sum {
+    vec3 light{0.0f};
+    float squares = 0.0f;  // of luminance
+    int count = 0;
+    int hidden = 0;  // ways that were not free
+    int free = 0;
+};
+
+class PixelLamps {
+  public:
+    PixelLamps(const Tracer& tracer, const LampSampler& lamps, const LitPoint& point,
+               uint32_t pixel)
+        : tracer_(tracer),
+          lamps_(lamps),
+          point_(point),
+          start_(randomPlace(pixel, 0), randomPlace(pixel, 1).x),
+          lobe_start_(randomPlace(pixel, 2)),
+          frame_(tangentFrame(point.surface.n)),
+          wo_(glm::transpose(frame_) * point.side.toward_viewer) {
+        const Brdf& brdf = point.surface.brdf;
+        lobe_ = brdf.alpha < kWideLobe && luminance(brdf.f0) + brdf.f90 > 0.0f && wo_.z > 0.0f;
+    }
+
+    // Adds samples first to first + count of the pixel's sequence.
+    void add(int first, int count, Sum& sum) const {
+        for (int i = first; i < first + count; i += kPacket) {
+            vec3 light[kPacket];
+            addTowardLamps(i, light, sum);
+            if (lobe_) {
+                addAlongLobe(i, light);
+            }
+            for (const vec3& l : light) {
+                sum.light += l;
+                sum.squares += luminance(l) * luminance(l);
+            }
+            sum.count += kPacket;
+        }
+    }
+
+  private:
+    void addTowardLamps(int first, vec3* light, Sum& sum) const {
+        Way ways[kPacket];
+        for (int k = 0; k < kPacket; ++k) {
+            const vec3 u = glm::fract(start_ + static_cast<float>(first + k) * kSpread);
+            light[k] = vec3(0.0f);
+            if (const auto s = lamps_.sample(point_.side, point_.surface.n, u)) {
+                const float other = lobe_ ? lobeDensity(s->wi) : 0.0f;
+                light[k] = scattered(point_.surface, point_.side.toward_viewer,
+                                     {.wi = s->wi,
+                                      .distance = s->distance,
+                                      .irradiance = s->radiance / (s->density + other)});
+                ways[k] = s->way;
+            }
+        }
+        const uint32_t free = tracer_.free(ways);
+        for (int k = 0; k < kPacket; ++k) {
+            const bool asked = ways[k].length > 0.0f;
+            const bool arrives = (free >> k & 1u) != 0;
+            sum.hidden += asked && !arrives ? 1 : 0;
+            sum.free += arrives ? 1 : 0;
+            light[k] = arrives ? light[k] : vec3(0.0f);
+        }
+    }
+
+    void addAlongLobe(int first, vec3* light) const {
+        vec3 directions[kPacket];
+        int of[kPacket];
+        size_t count = 0;
+        for (int k = 0; k < kPacket; ++k) {
+            const vec2 u = glm::fract(lobe_start_ + static_cast<float>(first + k) * vec2(kSpread));
+            const vec3 h = sampleGgxVisibleNormal(wo_, point_.surface.brdf.alpha, u);
+            const vec3 wi = 2.0f * glm::dot(wo_, h) * h - wo_;
+            const vec3 direction = glm::normalize(frame_ * wi);
+            if (wi.z > 0.0f && glm::dot(direction, point_.side.n_g) > 0.0f) {
+                of[count] = k;
+                directions[count++] = direction;
+            }
+        }
+        Hit hits[kPacket];
+        tracer_.meet({.origin = point_.side.start(), .directions = {directions, count}}, hits);
+        for (size_t i = 0; i < count; ++i) {
+            if (!hits[i].found() || !lamps_.isLamp(hits[i].triangle)) {
+                continue;
+            }
+            const float density = lobeDensity(directions[i]);
+            const float other =
+                lamps_.density(point_.side, point_.surface.n, hits[i], directions[i]);
+            if (density > 0.0f) {
+                light[of[i]] +=
+                    scattered(point_.surface, point_.side.toward_viewer,
+                              {.wi = directions[i],
+                               .distance = hits[i].distance,
+                               .irradiance = lamps_.radiance(hits[i]) / (density + other)});
+            }
+        }
+    }
+
+    // Of a direction mirrored at visible normals, D G1 / (4 NoV). [Hei18, eq. 17]
+    float lobeDensity(const vec3& wi_world) const {
+        const vec3 wi = glm::transpose(frame_) * wi_world;
+        const vec3 sum = wi + wo_;
+        const float length = glm::length(sum);
+        if (wi.z <= 0.0f || length < 1e-6f) {
+            return 0.0f;
+        }
+        const float alpha = point_.surface.brdf.alpha;
+        const float NoV = std::max(wo_.z, shared::MIN_COSINE);
+        return shared::distributionGgx(sum.z / length, alpha) * maskingSmith(NoV, alpha) /
+               (4.0f * NoV);
+    }
+
+    const Tracer& tracer_;
+    const LampSampler& lamps_;
+    const LitPoint& point_;
+    vec3 start_;
+    vec2 lobe_start_;
+    mat3 frame_;
+    vec3 wo_;  // in the frame
+    bool lobe_ = false;
+};
+
+// Whether more samples would tell more.
+bool doubtful(const Sum& sum) {
+    if (sum.hidden > 0 && sum.free > 0) {
+        return true;
+    }
+    const auto count = static_cast<float>(sum.count);
+    const float mean = luminance(sum.light) / count;
+    const float variance = std::max(sum.squares / count - mean * mean, 0.0f);
+    return std::sqrt(variance / count) > kDoubt * mean;
+}
+
+}  // namespace
+
+Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width, int height,
+                      const std::function<std::optional<LitPoint>(int x, int y)>& pointAt) {
+    Image<Sum> sums(width, height);
+    const auto addTo = [&](int x, int y, int first, int count) {
+        if (const std::optional<LitPoint> point = pointAt(x, y)) {
+            PixelLamps(tracer, lamps, *point, static_cast<uint32_t>(y * width + x))
+                .add(first, count, sums.at(x, y));
+        }
+    };
+    const auto forEach = [&](const auto& body) {
+        parallelFor(height, [&](int y) {
+            for (int x = 0; x < width; ++x) {
+                body(x, y);
+            }
+        });
+    };
+    forEach([&](int x, int y) { addTo(x, y, 0, kFirst); });
+    // Were only those looked at again that disagree by chance, what they say would be biased.
+    Image<uint8_t> more(width, height);
+    forEach([&](int x, int y) {
+        for (int j = std::max(y - kAround, 0); j <= std::min(y + kAround, height - 1); ++j) {
+            for (int i = std::max(x - kAround, 0); i <= std::min(x + kAround, width - 1); ++i) {
+                more.at(x, y) |= sums.at(i, j).count > 0 && doubtful(sums.at(i, j)) ? 1 : 0;
+            }
+        }
+    });
+    Image<vec3> light(width, height);
+    forEach([&](int x, int y) {
+        if (more.at(x, y) != 0) {
+            addTo(x, y, kFirst, kMore);
+        }
+        const Sum& sum = sums.at(x, y);
+        light.at(x, y) = sum.count > 0 ? sum.light / static_cast<float>(sum.count) : vec3(0.0f);
+    });
+    return light;
+}
+
+}  // namespace sheen

@@ -1,0 +1,202 @@
+#include "light/lamps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/directions.h"
+#include "core/parallel.h"
+#include "rays/jitter.h"
+
+namespace sheen {
+namespace {
+
+// Triangles that fill more of what a point sees are sampled evenly over the angle they fill, others
+// over their area: there rounding would decide.
+constexpr float kSmallestAngle = 3e-3f;
+// A way ends this fraction short of its lamp.
+constexpr float kWayShare = 1.0f - 1e-5f;
+// Of a side of a lamp from which all rays met lamps, such as the inside of a bulb: that it shines
+// anywhere cannot be excluded.
+constexpr float kLeastOpen = 0.02f;
+constexpr int kOpenPackets = 2;
+
+// What a spherical triangle's corners, as seen from a point, span. [VOS83]
+float solidAngle(const vec3& a, const vec3& b, const vec3& c) {
+    const float numerator = std::abs(glm::dot(a, glm::cross(b, c)));
+    const float denominator = 1.0f + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a);
+    return 2.0f * std::atan2(numerator, denominator);
+}
+
+// An angle of a spherical triangle: at a, between the arcs to b and to c.
+double angleAt(const dvec3& a, const dvec3& b, const dvec3& c) {
+    const dvec3 to_b = glm::cross(a, b), to_c = glm::cross(a, c);
+    return std::atan2(glm::length(glm::cross(to_b, to_c)), glm::dot(to_b, to_c));
+}
+
+// A direction evenly spread over a spherical triangle. [Arv95]
+vec3 sampleSpherical(const vec3& a_, const vec3& b_, const vec3& c_, const vec2& u) {
+    const dvec3 a(a_), b(b_), c(c_);
+    const double alpha = angleAt(a, b, c);
+    const double area = alpha + angleAt(b, c, a) + angleAt(c, a, b) - std::numbers::pi;
+    const double part = double{u.x} * area;
+    const double s = std::sin(part - alpha), t = std::cos(part - alpha);
+    const double cos_alpha = std::cos(alpha), sin_alpha = std::sin(alpha);
+    const double cos_c = glm::dot(a, b);
+    const double k = t - cos_alpha, m = s + sin_alpha * cos_c;
+    const double down = (m * s + k * t) * sin_alpha;
+    const double q = ((m * t - k * s) * cos_alpha - m) / (std::abs(down) > 0.0 ? down : 1e-300);
+    const double cos_b = glm::clamp(q, -1.0, 1.0);
+    const dvec3 toward_c = c - glm::dot(c, a) * a;
+    const dvec3 moved = cos_b * a + std::sqrt(1.0 - cos_b * cos_b) * glm::normalize(toward_c);
+    const double z = 1.0 - double{u.y} * (1.0 - glm::dot(moved, b));
+    const dvec3 toward_moved = moved - glm::dot(moved, b) * b;
+    const double length = glm::length(toward_moved);
+    return vec3(
+        length > 0.0 ? z * b + std::sqrt(std::max(1.0 - z * z, 0.0)) * (toward_moved / length) : b);
+}
+
+}  // namespace
+
+struct LampSampler::Corners {
+    vec3 p0, e1, e2;
+    vec3 n;  // unit, by winding
+    float area;
+
+    // Where a ray meets the plane: barycentric coordinates of the second and third corner.
+    vec2 meet(const vec3& origin, const vec3& direction) const {
+        const vec3 p = glm::cross(direction, e2);
+        const float scale = 1.0f / glm::dot(e1, p);
+        const vec3 from = origin - p0;
+        const vec2 uv(glm::dot(from, p) * scale, glm::dot(direction, glm::cross(from, e1)) * scale);
+        const vec2 inside = glm::max(uv, vec2(0.0f));
+        return inside / std::max(inside.x + inside.y, 1.0f);
+    }
+    vec3 at(const vec2& uv) const { return p0 + uv.x * e1 + uv.y * e2; }
+};
+
+LampSampler::Corners LampSampler::corners(uint32_t triangle) const {
+    const uvec3& t = scene_.triangles[triangle];
+    Corners c;
+    c.p0 = scene_.positions[t.x];
+    c.e1 = scene_.positions[t.y] - c.p0;
+    c.e2 = scene_.positions[t.z] - c.p0;
+    const vec3 across = glm::cross(c.e1, c.e2);
+    c.area = 0.5f * glm::length(across);
+    c.n = glm::normalize(across);
+    return c;
+}
+
+LampSampler::LampSampler(const Tracer& tracer) : scene_(tracer.scene()) {
+    const auto count = static_cast<uint32_t>(scene_.triangleCount());
+    for (uint32_t t = 0; t < count; ++t) {
+        if (scene_.materials[scene_.materials_of[t]].emits() &&
+            luminance(meanEmission(scene_, t)) > 0.0f) {
+            first_.resize(count, kNone);
+            first_[t] = static_cast<uint32_t>(2 * triangles_.size());
+            triangles_.push_back(t);
+        }
+    }
+    // How much of what a side sees is no lamp.
+    std::vector<LightBounds> entries(2 * triangles_.size());
+    parallelFor(static_cast<int>(entries.size()), [&](int i) {
+        const auto entry = static_cast<size_t>(i);
+        const uint32_t triangle = triangles_[entry / 2];
+        const Corners c = corners(triangle);
+        const vec3 n = entry % 2 == 0 ? c.n : -c.n;
+        const vec3 middle = c.at(vec2(1.0f / 3.0f));
+        const float size = std::max(glm::length(c.e1), glm::length(c.e2));
+        const SurfaceSide side{.position = middle,
+                               .n_g = n,
+                               .toward_viewer = vec3(0.0f),
+                               .offset = surfaceOffset(scene_, triangle, middle, n, size)};
+        int open = 0;
+        for (int packet = 0; packet < kOpenPackets; ++packet) {
+            vec3 directions[Tracer::kPacket];
+            Hit hits[Tracer::kPacket];
+            for (int k = 0; k < Tracer::kPacket; ++k) {
+                const vec2 u = randomPlace(static_cast<uint32_t>(i),
+                                           static_cast<uint32_t>(packet * Tracer::kPacket + k));
+                directions[k] = tangentFrame(n) * cosineDirection(u);
+            }
+            tracer.meet({.origin = side.start(), .directions = directions}, hits);
+            for (const Hit& hit : hits) {
+                open += hit.found() && isLamp(hit.triangle) ? 0 : 1;
+            }
+        }
+        const float share = static_cast<float>(open) / (kOpenPackets * Tracer::kPacket);
+        LightBounds& bounds = entries[entry];
+        for (const vec2& uv : {vec2(0, 0), vec2(1, 0), vec2(0, 1)}) {
+            bounds.box.add(c.at(uv));
+        }
+        bounds.axis = n;
+        bounds.power =
+            c.area * luminance(meanEmission(scene_, triangle)) * std::max(share, kLeastOpen);
+    });
+    tree_ = LightTree(entries);
+}
+
+std::optional<LampSampler::Sample> LampSampler::sample(const SurfaceSide& surface, const vec3& n,
+                                                       const vec3& u) const {
+    const vec3 start = surface.start();
+    const std::optional<LightTree::Choice> choice = tree_.choose(start, n, u.x);
+    if (!choice) {
+        return std::nullopt;
+    }
+    const uint32_t triangle = triangles_[choice->light / 2];
+    const Corners c = corners(triangle);
+    const vec3 side = choice->light % 2 == 0 ? c.n : -c.n;
+    if (glm::dot(start - c.p0, side) <= 0.0f) {
+        return std::nullopt;
+    }
+    const vec3 to[3] = {glm::normalize(c.p0 - start), glm::normalize(c.p0 + c.e1 - start),
+                        glm::normalize(c.p0 + c.e2 - start)};
+    const float angle = solidAngle(to[0], to[1], to[2]);
+    vec2 uv;
+    if (angle > kSmallestAngle) {
+        uv = c.meet(start, sampleSpherical(to[0], to[1], to[2], vec2(u.y, u.z)));
+    } else {
+        const float root = std::sqrt(u.y);
+        uv = vec2(1.0f - root, u.z * root);
+    }
+    const vec3 position = c.at(uv);
+    const vec3 way = position - start;
+    const float distance = glm::length(way);
+    Sample s{.wi = way / distance, .distance = distance, .radiance = {}, .density = 0, .way = {}};
+    const float cosine = -glm::dot(s.wi, side);
+    if (!(cosine > 0.0f) || glm::dot(s.wi, n) <= 0.0f || glm::dot(s.wi, surface.n_g) <= 0.0f) {
+        return std::nullopt;
+    }
+    s.density = choice->probability *
+                (angle > kSmallestAngle ? 1.0f / angle : distance * distance / (c.area * cosine));
+    s.radiance = emissionAt(scene_, triangle, vec3(1.0f - uv.x - uv.y, uv));
+    // It ends off the lamp's surface, as it starts off the other.
+    const vec3 end = position + surfaceOffset(scene_, triangle, position, side, distance) * side;
+    const float length = glm::length(end - start);
+    s.way = {.start = start, .direction = (end - start) / length, .length = length * kWayShare};
+    return s;
+}
+
+float LampSampler::density(const SurfaceSide& surface, const vec3& n, const Hit& hit,
+                           const vec3& direction) const {
+    const vec3 start = surface.start();
+    const uint32_t entry = entryOf(hit.triangle) + (hit.back ? 1 : 0);
+    const float probability = tree_.probability(start, n, entry);
+    if (probability == 0.0f) {
+        return 0.0f;
+    }
+    const Corners c = corners(hit.triangle);
+    const float angle =
+        solidAngle(glm::normalize(c.p0 - start), glm::normalize(c.p0 + c.e1 - start),
+                   glm::normalize(c.p0 + c.e2 - start));
+    const float cosine = std::abs(glm::dot(direction, c.n));
+    return probability * (angle > kSmallestAngle
+                              ? 1.0f / angle
+                              : hit.distance * hit.distance / (c.area * std::max(cosine, 1e-6f)));
+}
+
+vec3 LampSampler::radiance(const Hit& hit) const {
+    return emissionAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
+}
+
+}  // namespace sheen
