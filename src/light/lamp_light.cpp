@@ -15,7 +15,7 @@ constexpr int kPacket = Tracer::kPacket;
 constexpr int kFirst = 16;       // samples of every pixel
 constexpr int kMore = 240;       // besides, where the first disagree
 constexpr int kAround = 2;       // pixels around those
-constexpr float kDoubt = 0.04f;  // standard error of the first, over their mean, from which on
+constexpr float kDoubt = 0.08f;  // standard error of the first, over their mean, from which on
 
 // Lobes wider than this are left to the directions toward lamps, others are followed too.
 constexpr float kWideLobe = 0.35f;
@@ -28,7 +28,7 @@ struct Sum {
     vec3 light{0.0f};
     float squares = 0.0f;  // of luminance
     int count = 0;
-    int hidden = 0;  // ways that were not free
+    int hidden = 0;  // ways that were not free, to lamps within reach
     int free = 0;
 };
 
@@ -66,6 +66,7 @@ class PixelLamps {
   private:
     void addTowardLamps(int first, vec3* light, Sum& sum) const {
         Way ways[kPacket];
+        bool tells[kPacket] = {};
         for (int k = 0; k < kPacket; ++k) {
             const vec3 u = glm::fract(start_ + static_cast<float>(first + k) * kSpread);
             light[k] = vec3(0.0f);
@@ -76,14 +77,14 @@ class PixelLamps {
                                       .distance = s->distance,
                                       .irradiance = s->radiance / (s->density + other)});
                 ways[k] = s->way;
+                tells[k] = s->within_reach;
             }
         }
         const uint32_t free = tracer_.free(ways);
         for (int k = 0; k < kPacket; ++k) {
-            const bool asked = ways[k].length > 0.0f;
             const bool arrives = (free >> k & 1u) != 0;
-            sum.hidden += asked && !arrives ? 1 : 0;
-            sum.free += arrives ? 1 : 0;
+            sum.hidden += tells[k] && !arrives ? 1 : 0;
+            sum.free += tells[k] && arrives ? 1 : 0;
             light[k] = arrives ? light[k] : vec3(0.0f);
         }
     }

@@ -16,10 +16,10 @@ namespace {
 constexpr float kSmallestAngle = 3e-3f;
 // A way ends this fraction short of its lamp.
 constexpr float kWayShare = 1.0f - 1e-5f;
-// Of a side of a lamp from which all rays met lamps, such as the inside of a bulb: that it shines
-// anywhere cannot be excluded.
-constexpr float kLeastOpen = 0.02f;
-constexpr int kOpenPackets = 2;
+// What leaves a side of a lamp meets other surfaces at some distance: from the inside of a bulb, or
+// against a wall, soon. Beyond so many times the farthest of what a few rays met it is seldom seen.
+constexpr float kReach = 4.0f;
+constexpr int kReachPackets = 2;
 
 // What a spherical triangle's corners, as seen from a point, span. [VOS83]
 float solidAngle(const vec3& a, const vec3& b, const vec3& c) {
@@ -87,6 +87,33 @@ LampSampler::Corners LampSampler::corners(uint32_t triangle) const {
     return c;
 }
 
+// What a few rays meet that leave the middle of a triangle on the side of a unit normal: how far
+// away at most.
+float LampSampler::farthest(const Tracer& tracer, uint32_t triangle, const vec3& n) const {
+    const Corners c = corners(triangle);
+    const vec3 middle = c.at(vec2(1.0f / 3.0f));
+    const float size = std::max(glm::length(c.e1), glm::length(c.e2));
+    const SurfaceSide side{.position = middle,
+                           .n_g = n,
+                           .toward_viewer = vec3(0.0f),
+                           .offset = surfaceOffset(scene_, triangle, middle, n, size)};
+    const mat3 frame = tangentFrame(n);
+    float distance = 0.0f;
+    for (int packet = 0; packet < kReachPackets; ++packet) {
+        vec3 directions[Tracer::kPacket];
+        Hit hits[Tracer::kPacket];
+        for (int k = 0; k < Tracer::kPacket; ++k) {
+            const auto ray = static_cast<uint32_t>(packet * Tracer::kPacket + k);
+            directions[k] = frame * cosineDirection(randomPlace(triangle, ray));
+        }
+        tracer.meet({.origin = side.start(), .directions = directions}, hits);
+        for (const Hit& hit : hits) {
+            distance = std::max(distance, hit.distance);
+        }
+    }
+    return distance;
+}
+
 LampSampler::LampSampler(const Tracer& tracer) : scene_(tracer.scene()) {
     const auto count = static_cast<uint32_t>(scene_.triangleCount());
     for (uint32_t t = 0; t < count; ++t) {
@@ -97,41 +124,20 @@ LampSampler::LampSampler(const Tracer& tracer) : scene_(tracer.scene()) {
             triangles_.push_back(t);
         }
     }
-    // How much of what a side sees is no lamp.
     std::vector<LightBounds> entries(2 * triangles_.size());
+    reaches_.resize(entries.size());
     parallelFor(static_cast<int>(entries.size()), [&](int i) {
         const auto entry = static_cast<size_t>(i);
         const uint32_t triangle = triangles_[entry / 2];
         const Corners c = corners(triangle);
-        const vec3 n = entry % 2 == 0 ? c.n : -c.n;
-        const vec3 middle = c.at(vec2(1.0f / 3.0f));
-        const float size = std::max(glm::length(c.e1), glm::length(c.e2));
-        const SurfaceSide side{.position = middle,
-                               .n_g = n,
-                               .toward_viewer = vec3(0.0f),
-                               .offset = surfaceOffset(scene_, triangle, middle, n, size)};
-        int open = 0;
-        for (int packet = 0; packet < kOpenPackets; ++packet) {
-            vec3 directions[Tracer::kPacket];
-            Hit hits[Tracer::kPacket];
-            for (int k = 0; k < Tracer::kPacket; ++k) {
-                const vec2 u = randomPlace(static_cast<uint32_t>(i),
-                                           static_cast<uint32_t>(packet * Tracer::kPacket + k));
-                directions[k] = tangentFrame(n) * cosineDirection(u);
-            }
-            tracer.meet({.origin = side.start(), .directions = directions}, hits);
-            for (const Hit& hit : hits) {
-                open += hit.found() && isLamp(hit.triangle) ? 0 : 1;
-            }
-        }
-        const float share = static_cast<float>(open) / (kOpenPackets * Tracer::kPacket);
         LightBounds& bounds = entries[entry];
         for (const vec2& uv : {vec2(0, 0), vec2(1, 0), vec2(0, 1)}) {
             bounds.box.add(c.at(uv));
         }
-        bounds.axis = n;
-        bounds.power =
-            c.area * luminance(meanEmission(scene_, triangle)) * std::max(share, kLeastOpen);
+        const vec3 n = entry % 2 == 0 ? c.n : -c.n;
+        bounds.intensity =
+            Intensity::byCosine(n, c.area * luminance(meanEmission(scene_, triangle)));
+        bounds.reach = reaches_[entry] = kReach * farthest(tracer, triangle, n);
     });
     tree_ = LightTree(entries);
 }
@@ -162,7 +168,12 @@ std::optional<LampSampler::Sample> LampSampler::sample(const SurfaceSide& surfac
     const vec3 position = c.at(uv);
     const vec3 way = position - start;
     const float distance = glm::length(way);
-    Sample s{.wi = way / distance, .distance = distance, .radiance = {}, .density = 0, .way = {}};
+    Sample s{.wi = way / distance,
+             .distance = distance,
+             .radiance = {},
+             .density = 0,
+             .way = {},
+             .within_reach = true};
     const float cosine = -glm::dot(s.wi, side);
     if (!(cosine > 0.0f) || glm::dot(s.wi, n) <= 0.0f || glm::dot(s.wi, surface.n_g) <= 0.0f) {
         return std::nullopt;
@@ -174,6 +185,7 @@ std::optional<LampSampler::Sample> LampSampler::sample(const SurfaceSide& surfac
     const vec3 end = position + surfaceOffset(scene_, triangle, position, side, distance) * side;
     const float length = glm::length(end - start);
     s.way = {.start = start, .direction = (end - start) / length, .length = length * kWayShare};
+    s.within_reach = distance <= reaches_[choice->light];
     return s;
 }
 

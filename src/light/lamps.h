@@ -23,11 +23,13 @@ class LampSampler {
 
     /// Light on the way from a lamp.
     struct Sample {
-        vec3 wi;         ///< unit, toward the lamp
-        float distance;  ///< to it
-        vec3 radiance;   ///< of its point, nits
-        float density;   ///< of the direction, over solid angle: above 0
-        Way way;         ///< must be free
+        vec3 wi;            ///< unit, toward the lamp
+        float distance;     ///< to it
+        vec3 radiance;      ///< of its point, nits
+        float density;      ///< of the direction, over solid angle: above 0
+        Way way;            ///< must be free
+        bool within_reach;  ///< false: it is seldom seen from so far, as the inside of a bulb, and
+                            ///< that it is hidden tells nothing of shadows
     };
     /// Light by three random numbers in [0, 1) that arrives at a surface from where it is not known
     /// to be dark: on the sides of its geometric normal and of the unit normal n. None where the
@@ -46,10 +48,12 @@ class LampSampler {
     struct Corners;
     uint32_t entryOf(uint32_t triangle) const { return first_.empty() ? kNone : first_[triangle]; }
     Corners corners(uint32_t triangle) const;
+    float farthest(const Tracer& tracer, uint32_t triangle, const vec3& n) const;
 
     const Scene& scene_;
     std::vector<uint32_t> first_;      // [triangle]: of its two entries in the tree, or kNone
     std::vector<uint32_t> triangles_;  // [entry / 2]; even entries are fronts
+    std::vector<float> reaches_;       // [entry]
     LightTree tree_;
 };
 

@@ -7,75 +7,70 @@
 namespace sheen {
 namespace {
 
-// The least cone around two.
-void widen(LightBounds& a, const LightBounds& b) {
-    const LightBounds& wide = a.spread >= b.spread ? a : b;
-    const LightBounds& narrow = a.spread >= b.spread ? b : a;
-    const float between = std::acos(glm::clamp(glm::dot(wide.axis, narrow.axis), -1.0f, 1.0f));
-    if (between + narrow.spread <= wide.spread) {
-        a.axis = wide.axis;
-        a.spread = wide.spread;
-        return;
-    }
-    const float spread = 0.5f * (wide.spread + between + narrow.spread);
-    const vec3 across = narrow.axis - glm::dot(narrow.axis, wide.axis) * wide.axis;
-    const float length = glm::length(across);
-    if (spread >= kPi || length < 1e-6f) {
-        a.spread = kPi;
-        return;
-    }
-    const float turn = spread - wide.spread;
-    a.axis = glm::normalize(std::cos(turn) * wide.axis + std::sin(turn) * across / length);
-    a.spread = spread;
-}
+// Of what is farther off than it reaches: that it is seen there cannot be excluded.
+constexpr float kSeldom = 0.05f;
+// Bands that are left out err by less than this.
+constexpr float kLeastSent = 0.05f;
+constexpr float kMuchLess = 1.0f / 16.0f;
 
 LightBounds united(const LightBounds& a, const LightBounds& b) {
     LightBounds result = a;
     result.box.add(b.box.lower);
     result.box.add(b.box.upper);
-    result.power += b.power;
-    widen(result, b);
+    result.intensity.all += b.intensity.all;
+    result.intensity.toward += b.intensity.toward;
+    result.intensity.around += b.intensity.around;
+    result.reach = std::max(a.reach, b.reach);
     return result;
-}
-
-// The cosine of an angle less another, both by their cosine and sine; 1 where that is negative.
-float cosOfLess(float cos_a, float sin_a, float cos_b, float sin_b) {
-    return cos_a > cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
 }
 
 float sineOf(float cosine) { return std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)); }
 
-// What a node may bring to a point: its power by the square of the distance and by the greatest
-// cosines that its bounds allow. 0 only where it brings nothing. [EK18, eq. 3]
-float importance(const LightBounds& b, const vec3& p, const vec3& n) {
-    const vec3 center = 0.5f * (b.box.lower + b.box.upper);
-    const float radius = 0.5f * glm::length(b.box.upper - b.box.lower);
-    const vec3 way = p - center;
-    const float distance2 = glm::dot(way, way);
-    const float least2 = std::max(distance2, radius * radius);
-    if (distance2 <= 1.001f * radius * radius) {
-        return b.power / std::max(least2, 1e-30f);  // within its bounds: no angle is known
-    }
-    const vec3 from = way / std::sqrt(distance2);
-    const float sin_seen = radius / std::sqrt(distance2);  // of half of the angle it fills
-    const float cos_seen = sineOf(sin_seen);
-    const float cos_i = glm::dot(n, -from);
-    const float cos_received = cosOfLess(cos_i, sineOf(cos_i), cos_seen, sin_seen);
-    if (cos_received <= 0.0f) {
-        return 0.0f;
-    }
-    const float angle = std::acos(glm::clamp(glm::dot(b.axis, from), -1.0f, 1.0f));
-    const float off = std::max(angle - b.spread - std::asin(std::min(sin_seen, 1.0f)), 0.0f);
-    const float cos_sent = std::cos(off);
-    return cos_sent > 0.0f ? b.power * cos_received * cos_sent / least2 : 0.0f;
+// The cosine of an angle less another, both by their cosine; 1 where that is negative.
+float cosOfLess(float cos_a, float cos_b) {
+    return cos_a >= cos_b ? 1.0f : cos_a * cos_b + sineOf(cos_a) * sineOf(cos_b);
 }
 
 }  // namespace
 
+Intensity Intensity::byCosine(const vec3& n, float power) {
+    return {.all = power * (1.0f / 4.0f - 5.0f / 32.0f),
+            .toward = power / 2.0f * n,
+            .around = power * 15.0f / 32.0f * glm::outerProduct(n, n)};
+}
+
+// By the square of the distance and the greatest cosine to n that its bounds allow. 0 only where it
+// brings nothing.
+float LightTree::Node::importance(const vec3& p, const vec3& n) const {
+    const vec3 way = p - center;
+    const float distance2 = glm::dot(way, way);
+    if (distance2 <= 1.001f * radius2) {
+        return intensity.mean() / std::max(radius2, 1e-30f);  // within its bounds: no angle is known
+    }
+    const float inverse = 1.0f / std::sqrt(distance2);
+    const float cos_seen =
+        std::sqrt(1.0f - radius2 * inverse * inverse);  // half the angle it fills
+    const float cos_received = cosOfLess(-glm::dot(n, way) * inverse, cos_seen);
+    if (cos_received <= 0.0f) {
+        return 0.0f;
+    }
+    const float sent = std::max(intensity.in(way * inverse), kLeastSent * intensity.mean());
+    const float seen = distance2 > reach2 ? kSeldom : 1.0f;
+    return seen * sent * cos_received * inverse * inverse;
+}
+
+LightTree::Node::Node(const LightBounds& b, uint32_t second_, bool leaf_)
+    : center(b.box.center()),
+      radius2(0.25f * glm::dot(b.box.upper - b.box.lower, b.box.upper - b.box.lower)),
+      intensity(b.intensity),
+      reach2((b.reach + std::sqrt(radius2)) * (b.reach + std::sqrt(radius2))),
+      second(second_),
+      leaf(leaf_) {}
+
 LightTree::LightTree(std::span<const LightBounds> lights) : trails_(lights.size()) {
     std::vector<uint32_t> order;
     for (uint32_t i = 0; i < lights.size(); ++i) {
-        if (lights[i].power > 0.0f) {
+        if (lights[i].intensity.mean() > 0.0f) {
             order.push_back(i);
         }
     }
@@ -85,36 +80,49 @@ LightTree::LightTree(std::span<const LightBounds> lights) : trails_(lights.size(
     }
 }
 
-// Halves by number, across the longest side: a path is then at most as long as a trail has bits.
-uint32_t LightTree::build(std::span<const LightBounds> lights, std::span<uint32_t> order,
-                          uint64_t trail, int depth) {
-    const auto index = static_cast<uint32_t>(nodes_.size());
-    nodes_.emplace_back();
-    if (order.size() == 1) {
-        nodes_[index] = {.bounds = lights[order[0]], .second = order[0], .leaf = true};
-        trails_[order[0]] = trail;
-        return index;
-    }
+// Orders lights so that the first of them, as many as it returns, and the others are better apart:
+// lights that reach much less far, such as the inner sides of a bulb, which would be taken for its
+// outer ones; then halves by number, across the longest side. A path is at most as long as a trail
+// has bits.
+size_t LightTree::halve(std::span<const LightBounds> lights, std::span<uint32_t> order) {
     Bounds middles;
-    const auto middle = [&](uint32_t i) {
-        return 0.5f * (lights[i].box.lower + lights[i].box.upper);
-    };
+    float farthest = 0.0f;
     for (const uint32_t i : order) {
-        middles.add(middle(i));
+        middles.add(lights[i].box.center());
+        farthest = std::max(farthest, lights[i].reach);
+    }
+    const auto less = std::partition(order.begin(), order.end(), [&](uint32_t i) {
+        return lights[i].reach < farthest * kMuchLess;
+    });
+    if (less != order.begin()) {
+        return static_cast<size_t>(less - order.begin());
     }
     const vec3 size = middles.upper - middles.lower;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const auto half = order.begin() + static_cast<ptrdiff_t>(order.size() / 2);
     std::nth_element(order.begin(), half, order.end(), [&](uint32_t a, uint32_t b) {
-        const float pa = middle(a)[axis], pb = middle(b)[axis];
+        const float pa = lights[a].box.center()[axis], pb = lights[b].box.center()[axis];
         return pa != pb ? pa < pb : a < b;
     });
-    const uint32_t first = build(lights, {order.begin(), half}, trail, depth + 1);
-    const uint32_t second =
-        build(lights, {half, order.end()}, trail | uint64_t{1} << depth, depth + 1);
-    nodes_[index] = {.bounds = united(nodes_[first].bounds, nodes_[second].bounds),
-                     .second = second};
-    return index;
+    return order.size() / 2;
+}
+
+LightBounds LightTree::build(std::span<const LightBounds> lights, std::span<uint32_t> order,
+                             uint64_t trail, int depth) {
+    const size_t index = nodes_.size();
+    if (order.size() == 1) {
+        nodes_.emplace_back(lights[order[0]], order[0], true);
+        trails_[order[0]] = trail;
+        return lights[order[0]];
+    }
+    nodes_.emplace_back();
+    const auto half = order.begin() + static_cast<ptrdiff_t>(halve(lights, order));
+    const LightBounds first = build(lights, {order.begin(), half}, trail, depth + 1);
+    const auto second = static_cast<uint32_t>(nodes_.size());
+    const LightBounds bounds =
+        united(first, build(lights, {half, order.end()}, trail | uint64_t{1} << depth, depth + 1));
+    nodes_[index] = Node(bounds, second, false);
+    return bounds;
 }
 
 std::optional<LightTree::Choice> LightTree::choose(const vec3& p, const vec3& n, float u) const {
@@ -124,8 +132,8 @@ std::optional<LightTree::Choice> LightTree::choose(const vec3& p, const vec3& n,
     float probability = 1.0f;
     uint32_t index = 0;
     while (!nodes_[index].leaf) {
-        const float first = importance(nodes_[index + 1].bounds, p, n);
-        const float second = importance(nodes_[nodes_[index].second].bounds, p, n);
+        const float first = nodes_[index + 1].importance(p, n);
+        const float second = nodes_[nodes_[index].second].importance(p, n);
         if (!(first + second > 0.0f)) {
             return std::nullopt;
         }
@@ -142,8 +150,8 @@ float LightTree::probability(const vec3& p, const vec3& n, uint32_t light) const
     float probability = 1.0f;
     uint32_t index = 0;
     for (uint64_t trail = trails_[light]; !nodes_[index].leaf; trail >>= 1u) {
-        const float first = importance(nodes_[index + 1].bounds, p, n);
-        const float second = importance(nodes_[nodes_[index].second].bounds, p, n);
+        const float first = nodes_[index + 1].importance(p, n);
+        const float second = nodes_[nodes_[index].second].importance(p, n);
         if (!(first + second > 0.0f)) {
             return 0.0f;
         }

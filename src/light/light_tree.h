@@ -1,5 +1,5 @@
-// A choice among many lights by what each may bring to a point, made on the way down a tree of
-// their bounds. Based on: [EK18].
+// A choice among many lights by what each brings to a point, nearly, made on the way down a tree.
+// Based on: [EK18], with what nodes send by spherical harmonics instead of cones of normals.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,28 @@
 
 namespace sheen {
 
-/// Where a light lies and where it shines to: into the half spaces of normals that deviate from
-/// `axis` by at most an angle.
+/// What lights send in a unit direction w: all + toward . w + w . around w, relative to each other.
+/// Sums of lights are sums of these.
+struct Intensity {
+    float all = 0.0f;
+    vec3 toward{0.0f};
+    mat3 around{0.0f};
+
+    /// Of a light that shines alike everywhere.
+    static Intensity everywhere(float power) { return {.all = power}; }
+    /// Of a surface, by the cosine to its unit normal, none behind it: three bands. [RH01, eq. 8]
+    static Intensity byCosine(const vec3& n, float power);
+
+    /// Over all directions.
+    float mean() const { return all + (around[0][0] + around[1][1] + around[2][2]) / 3.0f; }
+    float in(const vec3& w) const { return all + glm::dot(toward, w) + glm::dot(w, around * w); }
+};
+
+/// Where a light lies, and what it sends.
 struct LightBounds {
     Bounds box;
-    vec3 axis{0.0f, 0.0f, 1.0f};  ///< unit
-    float spread = 0.0f;          ///< that angle, radians; pi: it shines everywhere
-    float power = 0.0f;           ///< relative; a light of 0 is never chosen
+    Intensity intensity;
+    float reach = kInfinity;  ///< farther off it is seldom seen
 };
 
 class LightTree {
@@ -41,12 +56,21 @@ class LightTree {
 
   private:
     struct Node {
-        LightBounds bounds;
-        uint32_t second = 0;  // child; the first one follows. A leaf: the light
+        vec3 center{0.0f};
+        float radius2 = 0.0f;  // of the sphere around its box, squared
+        Intensity intensity;
+        float reach2 = kInfinity;  // from the center, squared
+        uint32_t second = 0;       // child; the first one follows. Of a leaf the light
         bool leaf = false;
+
+        Node() = default;
+        Node(const LightBounds& bounds, uint32_t second, bool leaf);
+        float importance(const vec3& p, const vec3& n) const;
     };
-    uint32_t build(std::span<const LightBounds> lights, std::span<uint32_t> order, uint64_t trail,
-                   int depth);
+    static size_t halve(std::span<const LightBounds> lights, std::span<uint32_t> order);
+    // Returns the bounds of the node that it adds.
+    LightBounds build(std::span<const LightBounds> lights, std::span<uint32_t> order,
+                      uint64_t trail, int depth);
 
     std::vector<Node> nodes_;
     std::vector<uint64_t> trails_;  // [light]: bit d: which child at depth d leads to it
