@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/directions.h"
 #include "core/parallel.h"
@@ -12,10 +13,12 @@ namespace sheen {
 namespace {
 
 constexpr int kPacket = Tracer::kPacket;
-constexpr int kFirst = 16;       // samples of every pixel
-constexpr int kMore = 240;       // besides, where the first disagree
-constexpr int kAround = 2;       // pixels around those
-constexpr float kDoubt = 0.08f;  // standard error of the first, over their mean, from which on
+// A pixel's samples in turn: those after the first where the ones before disagree, here or in
+// pixels around. Were only those looked at again that disagree by chance, what they say would be
+// biased.
+constexpr int kSamples[] = {16, 48, 192};
+constexpr int kAround = 2;
+constexpr float kDoubt = 0.03f;  // standard error over the mean from which on they disagree
 
 // Lobes wider than this are left to the directions toward lamps, others are followed too.
 constexpr float kWideLobe = 0.35f;
@@ -148,6 +151,9 @@ class PixelLamps {
 
 // Whether more samples would tell more.
 bool doubtful(const Sum& sum) {
+    if (sum.count == 0) {
+        return false;
+    }
     if (sum.hidden > 0 && sum.free > 0) {
         return true;
     }
@@ -175,24 +181,29 @@ Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width,
             }
         });
     };
-    forEach([&](int x, int y) { addTo(x, y, 0, kFirst); });
-    // Were only those looked at again that disagree by chance, what they say would be biased.
-    Image<uint8_t> more(width, height);
-    forEach([&](int x, int y) {
-        for (int j = std::max(y - kAround, 0); j <= std::min(y + kAround, height - 1); ++j) {
-            for (int i = std::max(x - kAround, 0); i <= std::min(x + kAround, width - 1); ++i) {
-                more.at(x, y) |= sums.at(i, j).count > 0 && doubtful(sums.at(i, j)) ? 1 : 0;
+    Image<uint8_t> wanted(width, height, 1);
+    int first = 0;
+    for (const int count : kSamples) {
+        forEach([&](int x, int y) {
+            if (wanted.at(x, y) != 0) {
+                addTo(x, y, first, count);
             }
-        }
-    });
+        });
+        first += count;
+        const Image<uint8_t> before = std::exchange(wanted, Image<uint8_t>(width, height));
+        forEach([&](int x, int y) {
+            for (int j = std::max(y - kAround, 0); j <= std::min(y + kAround, height - 1); ++j) {
+                for (int i = std::max(x - kAround, 0); i <= std::min(x + kAround, width - 1); ++i) {
+                    wanted.at(x, y) |= before.at(x, y) != 0 && doubtful(sums.at(i, j)) ? 1 : 0;
+                }
+            }
+        });
+    }
     Image<vec3> light(width, height);
-    forEach([&](int x, int y) {
-        if (more.at(x, y) != 0) {
-            addTo(x, y, kFirst, kMore);
-        }
-        const Sum& sum = sums.at(x, y);
-        light.at(x, y) = sum.count > 0 ? sum.light / static_cast<float>(sum.count) : vec3(0.0f);
-    });
+    for (size_t i = 0; i < light.pixels.size(); ++i) {
+        const Sum& sum = sums.pixels[i];
+        light.pixels[i] = sum.light / static_cast<float>(std::max(sum.count, 1));
+    }
     return light;
 }
 

@@ -45,7 +45,8 @@ float LightTree::Node::importance(const vec3& p, const vec3& n) const {
     const vec3 way = p - center;
     const float distance2 = glm::dot(way, way);
     if (distance2 <= 1.001f * radius2) {
-        return intensity.mean() / std::max(radius2, 1e-30f);  // within its bounds: no angle is known
+        return intensity.mean() /
+               std::max(radius2, 1e-30f);  // within its bounds: no angle is known
     }
     const float inverse = 1.0f / std::sqrt(distance2);
     const float cos_seen =
