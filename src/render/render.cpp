@@ -12,6 +12,7 @@
 #include "cache/probes.h"
 #include "cache/raster_gather.h"
 #include "cache/ray_gather.h"
+#include "core/error.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/timer.h"
@@ -386,6 +387,9 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             return renderByOctree(scene_, params);
         case Method::kRadiance:
         case Method::kIrradiance: {
+            if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
+                throwUsage("--environment: only --gather ray sees a sky");
+            }
             findCamera(scene_, params.camera);  // before anything is made for it
             StageSeconds seconds;
             if (!state_ || state_->road != params.gather_road) {

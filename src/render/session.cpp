@@ -53,7 +53,9 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
         renderShadowMaps(pool, scene, gpu, near);
     }
     const StageTimer timer(seconds.gather);
-    outgoing.emplace(tracer, &lamps, LightCells(tracer, near));
+    // The raster road gathers what lamps send, as light of surfaces.
+    outgoing.emplace(tracer, road == GatherRoad::kRays ? &lamps : nullptr,
+                     LightCells(tracer, near));
 }
 
 SceneState::~SceneState() {
