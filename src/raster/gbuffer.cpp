@@ -12,8 +12,7 @@ namespace sheen {
 namespace {
 
 // Writes what a pixel sees. A surface at the eye itself has no depth and is not seen.
-void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_t i,
-                GBuffer& g) {
+void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_t i, GBuffer& g) {
     const SurfacePoint p =
         surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
     const float depth = glm::dot(vec3(g.view.dual_forward), p.position - g.view.origin);
