@@ -54,7 +54,7 @@ struct CostOfError {
 };
 
 std::vector<Way> gatherEveryWay(const BenchScene& scene, int sites) {
-    const LightCells cells(scene.rays);
+    const ScatteredOnce light(scene.tracer, LightCells(scene.tracer));
     const RayScene rays(scene.scene);
     std::vector<Way> ways;
     std::vector<WardStrata> strata;
@@ -66,7 +66,7 @@ std::vector<Way> gatherEveryWay(const BenchScene& scene, int sites) {
     std::vector<std::vector<RecordSite>> told;  // of each gatherer
     for (int side : kSides) {
         ways.push_back({.name = "gather", .size = side});
-        gatherers.emplace_back(scene.rays, cells, HemisphereParams{.size = side});
+        gatherers.emplace_back(light, HemisphereParams{.size = side});
         told.emplace_back(scene.sites.begin(), scene.sites.begin() + sites);
         tellContrasts(gatherers.back(), told.back());
     }

@@ -91,7 +91,9 @@ PixelClasses uniformClasses(const GBuffer& gbuffer, int order) {
 }  // namespace
 
 GatherScene::GatherScene(const SceneChoice& choice, Scene made)
-    : scene(choice.name, std::move(made), kSites), cells(scene.rays), yardstick(scene.scene) {}
+    : scene(choice.name, std::move(made), kSites),
+      light(scene.tracer, LightCells(scene.tracer)),
+      yardstick(scene.scene) {}
 
 Setup::Setup(std::string folder, int gl_workers)
     : folder_(std::move(folder)), gl_workers_(gl_workers) {}
@@ -141,7 +143,7 @@ const View512& Setup::glossyView() {
         view_ = std::make_unique<View512>();
         view_->scene = load(kGlossyCornell);
         view_->gbuffer =
-            renderGBuffer(RayCaster(view_->scene), view_->scene.cameras.front(), kSide, kSide);
+            renderGBuffer(Tracer(view_->scene), view_->scene.cameras.front(), kSide, kSide);
     }
     return *view_;
 }

@@ -9,8 +9,8 @@
 #include "cache/classes.h"
 #include "cache/lobes.h"
 #include "cache/placement.h"
+#include "light/scattered_once.h"
 #include "raster/gpu_scene.h"
-#include "rays/light_cells.h"
 #include "reference/ray_scene.h"
 
 namespace sheen::bench {
@@ -39,7 +39,7 @@ struct GatherScene {
     explicit GatherScene(const SceneChoice& choice, Scene made);
 
     BenchScene scene;
-    LightCells cells;
+    ScatteredOnce light;  ///< by cells
     RayScene yardstick;
 };
 

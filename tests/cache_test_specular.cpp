@@ -7,6 +7,7 @@
 #include "cache/specular_rays.h"
 #include "core/parallel.h"
 #include "sh/brdf_sh.h"
+#include "test_light.h"
 #include "test_scenes.h"
 #include "test_stage.h"
 
@@ -40,15 +41,15 @@ struct Gathering {
         : scene(gathered),
           gbuffer(TestStage(scene, 1).gbuffer(kSize, kSize)),
           classes(classifyPixels(scene, gbuffer, 0, false)),
-          rays(scene) {}
+          lit(scene) {}
     Image<vec3> gather() const { return gather(Image<vec3>(kSize, kSize)); }
     Image<vec3> gather(const Image<vec3>& cached) const {
-        return reflectSpecular(gbuffer, classes, traceSpecular(rays, nullptr, gbuffer, classes, {}),
+        return reflectSpecular(gbuffer, classes, traceSpecular(lit.light, gbuffer, classes, {}),
                                cached);
     }
     // What each pixel reflects by its own rays alone.
     Image<vec3> alone(const SpecularParams& params = {.window = 0}) const {
-        const Image<SpecularSeen> seen = traceSpecular(rays, nullptr, gbuffer, classes, params);
+        const Image<SpecularSeen> seen = traceSpecular(lit.light, gbuffer, classes, params);
         Image<vec3> reflected(kSize, kSize);
         for (int i = 0; i < kSize * kSize; ++i) {
             const auto pixel = static_cast<size_t>(i);
@@ -64,7 +65,7 @@ struct Gathering {
     Scene scene;
     GBuffer gbuffer;
     PixelClasses classes;
-    RayCaster rays;
+    LitScene lit;
 };
 
 // Root of the sum of the squared differences.

@@ -184,8 +184,9 @@ std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const PixelCl
 }
 
 void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                  const RecordField& field, const GatherFunction& gather, const OutgoingLight& outgoing,
-                  const SpecularParams& params, std::span<Probe> probes) {
+                  const RecordField& field, const GatherFunction& gather,
+                  const OutgoingLight& outgoing, const SpecularParams& params,
+                  std::span<Probe> probes) {
     std::vector<RecordSite> sites(probes.size());
     parallelFor(static_cast<int>(probes.size()), [&](int k) {
         RecordSite& site = sites[static_cast<size_t>(k)];

@@ -28,8 +28,9 @@ std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const PixelCl
 /// Gathers their light, `gather` being asked twice, for sites of other seeds. The closest of the
 /// field's records tell where to look closer.
 void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                  const RecordField& field, const GatherFunction& gather, const OutgoingLight& outgoing,
-                  const SpecularParams& params, std::span<Probe> probes);
+                  const RecordField& field, const GatherFunction& gather,
+                  const OutgoingLight& outgoing, const SpecularParams& params,
+                  std::span<Probe> probes);
 
 /// The error of an image as a share of its mean, rel_rmse of docs/metrics.md.
 struct ErrorEstimate {

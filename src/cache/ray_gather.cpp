@@ -88,7 +88,7 @@ struct TexelRays {
                            vec3* planes = nullptr) const {
         std::vector<vec4> seen(directions.size());
         light.cast({.origin = eye, .directions = directions, .solid_angles = solid_angles},
-                  seen.data(), planes);
+                   seen.data(), planes);
         return seen;
     }
 };

@@ -34,8 +34,8 @@ struct Lobe {
 // highlights as wide as the cone it stands for: where that is counted too wide, mirrored highlights
 // are blurred. Rays are weighted by the estimator of visible normals, F G2 / G1, whose mean is the
 // lobe's albedo.
-SpecularSeen see(const OutgoingLight& light, const GBuffer& gbuffer,
-                 const ivec2& at, float rays_share, float sharing, const SpecularParams& params,
+SpecularSeen see(const OutgoingLight& light, const GBuffer& gbuffer, const ivec2& at,
+                 float rays_share, float sharing, const SpecularParams& params,
                  uint32_t sample = 0) {
     const Lobe lobe(gbuffer, at);
     const int i = at.y * gbuffer.width + at.x;
@@ -90,9 +90,9 @@ SpecularSeen see(const OutgoingLight& light, const GBuffer& gbuffer,
             }
         }
         light.cast({.origin = eye,
-                   .directions = {directions, count},
-                   .solid_angles = {solid_angles, count}},
-                  seen);
+                    .directions = {directions, count},
+                    .solid_angles = {solid_angles, count}},
+                   seen);
         for (size_t k = 0; k < count; ++k) {
             result.light[halves[k]] += weights[k] * vec3(seen[k]);
             result.nearness += seen[k].w > 0.0f ? 1.0f / seen[k].w : 0.0f;
@@ -123,8 +123,7 @@ void forEachByRays(const PixelClasses& classes, const F& body) {
 }  // namespace
 
 Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const GBuffer& gbuffer,
-                                  const PixelClasses& classes,
-                                  const SpecularParams& params) {
+                                  const PixelClasses& classes, const SpecularParams& params) {
     // As many pixels as a Gaussian counts for: 4 pi times its variance.
     const float sharing = std::max(4.0f * kPi * params.window * params.window, 1.0f);
     Image<SpecularSeen> seen(gbuffer.width, gbuffer.height);
@@ -142,8 +141,8 @@ Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const GBuffer& gbu
     return seen;
 }
 
-vec3 seeAgain(const OutgoingLight& light, const GBuffer& gbuffer, int pixel,
-              float share, int sample, const SpecularParams& params) {
+vec3 seeAgain(const OutgoingLight& light, const GBuffer& gbuffer, int pixel, float share,
+              int sample, const SpecularParams& params) {
     const ivec2 at(pixel % gbuffer.width, pixel / gbuffer.width);
     const SpecularSeen seen =
         see(light, gbuffer, at, share, 1.0f, params, static_cast<uint32_t>(sample + 1));

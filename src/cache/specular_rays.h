@@ -5,8 +5,8 @@
 
 #include "cache/classes.h"
 #include "image/image.h"
-#include "raster/gbuffer.h"
 #include "light/outgoing.h"
+#include "raster/gbuffer.h"
 
 namespace sheen {
 
@@ -28,13 +28,12 @@ struct SpecularSeen {
 /// What the lobes of the pixels in PixelClasses::by_rays see of indirect light. Rays follow the
 /// lobe (visible normals [Hei18]) at random places; they see the light that records see.
 Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const GBuffer& gbuffer,
-                                  const PixelClasses& classes,
-                                  const SpecularParams& params);
+                                  const PixelClasses& classes, const SpecularParams& params);
 
 /// The mean of the light that a pixel's lobe sees by `share` times as many rays as usual, others
 /// than before for each `sample` from 0 on.
-vec3 seeAgain(const OutgoingLight& light, const GBuffer& gbuffer, int pixel,
-              float share, int sample, const SpecularParams& params);
+vec3 seeAgain(const OutgoingLight& light, const GBuffer& gbuffer, int pixel, float share,
+              int sample, const SpecularParams& params);
 
 /// What these lobes reflect; black elsewhere. `cached`: by the records alone, as cachedSpecular()
 /// finds it; of pixels too glossy for the cache it is not asked.

@@ -40,9 +40,8 @@ Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer) {
                                                      .alpha = shared::alphaFromRoughness(normal.w),
                                                      .f0 = gbuffer.f0.pixels[i],
                                                      .f90 = diffuse.w}};
-                    direct.pixels[i] +=
-                        scattered(surface, points[k].toward_viewer,
-                                  shared::sampleLight(light, points[k].position));
+                    direct.pixels[i] += scattered(surface, points[k].toward_viewer,
+                                                  shared::sampleLight(light, points[k].position));
                 }
             }
         }

@@ -1,8 +1,8 @@
 #include "render/session.h"
 
-#include "light/direct.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "light/direct.h"
 #include "splat/splat.h"
 
 namespace sheen {

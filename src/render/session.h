@@ -7,9 +7,9 @@
 #include "cache/placement.h"
 #include "cache/specular_rays.h"
 #include "gl/worker_pool.h"
+#include "light/scattered_once.h"
 #include "raster/gbuffer.h"
 #include "raster/gpu_scene.h"
-#include "light/scattered_once.h"
 #include "rays/tracer.h"
 #include "render/render.h"
 
@@ -23,7 +23,7 @@ struct SceneState {
     gl::WorkerPool pool;
     Tracer tracer;
     std::optional<ScatteredOnce> outgoing;  // what rays see
-    GpuScene gpu;              // empty where records use rays
+    GpuScene gpu;                           // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
 
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
