@@ -72,7 +72,8 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
     }
     result.f0 = result.direct = Image<vec3>(width, height);
     if (std::any_of(scene.materials.begin(), scene.materials.end(),
-                    [](const Material& m) { return m.emits(); })) {
+                    [](const Material& m) { return m.emits(); }) ||
+        scene.environment.shows()) {
         result.emission = Image<vec3>(width, height);
     }
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
@@ -83,6 +84,8 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
             const Hit hit = tracer.meetAlone(ray.origin, ray.direction);
             if (hit.found()) {
                 writePixel(scene, hit, ray.direction, static_cast<size_t>(y * width + x), result);
+            } else if (scene.environment.shows()) {
+                result.emission.at(x, y) = scene.environment.radiance(ray.direction);
             }
         }
     });

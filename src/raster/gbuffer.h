@@ -21,7 +21,7 @@ struct GBuffer {
     Image<vec4> diffuse;   ///< diffuse reflectance toward the camera; w: F90
     Image<vec3> f0;        ///< specular F0
     Image<vec3> direct;    ///< radiance of direct light
-    Image<vec3> emission;  ///< radiance; empty where no material emits
+    Image<vec3> emission;  ///< radiance; empty where no material emits and no sky shows
     Image<uint32_t> primitive;
     float pixel_angle = 0;  ///< width of a pixel at depth 1
 
