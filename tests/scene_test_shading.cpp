@@ -8,6 +8,7 @@
 
 #include "scene/brdf_albedo.h"
 #include "scene/scene.h"
+#include "test_scenes.h"
 
 namespace sheen {
 namespace {
@@ -235,12 +236,9 @@ TEST(Texture, WrapModesMapEveryTexel) {
 // A triangle of one pair of texture coordinates under a texture of two texels, black and white.
 struct Checkered {
     explicit Checkered(int wrap, const vec3& factor = vec3(1.0f)) {
-        scene.textures.push_back({.width = 2,
-                                  .height = 1,
-                                  .texels = {vec3(0.0f), vec3(1.0f)},
-                                  .wrap = glm::ivec2(wrap)});
         scene.materials.emplace_back();
-        scene.materials[0].base_color_texture = 0;
+        scene.materials[0].textures[shared::TEXTURE_BASE_COLOR].texture =
+            addTexture(scene, 2, 1, {vec3(0.0f), vec3(1.0f)}, wrap);
         scene.materials[0].params.base_color = factor;
         scene.triangles.emplace_back(0, 0, 0);
         scene.materials_of.push_back(0);
@@ -272,6 +270,16 @@ TEST(Texture, RepeatsAndMirrorsFarOut) {
         EXPECT_EQ(mirror.at(turn + 1.75f).x, 0.0f);
     }
     EXPECT_EQ(repeat.at(0.0f).x, 0.5f) << "across the seam";
+}
+
+TEST(Texture, NearestIsNotInterpolated) {
+    Checkered texture(shared::WRAP_REPEAT);
+    texture.scene.textures[0].nearest = true;
+    EXPECT_EQ(texture.at(0.01f).x, 0.0f);
+    EXPECT_EQ(texture.at(0.49f).x, 0.0f);
+    EXPECT_EQ(texture.at(0.51f).x, 1.0f);
+    EXPECT_EQ(texture.at(0.99f).x, 1.0f);
+    EXPECT_EQ(texture.at(1.01f).x, 0.0f);
 }
 
 }  // namespace

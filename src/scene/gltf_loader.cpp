@@ -305,6 +305,7 @@ void flatten(File& file, const std::string& camera, Scene& scene) {
     Scene again;
     again.materials = std::move(scene.materials);
     again.textures = std::move(scene.textures);
+    again.images = std::move(scene.images);
     again.origin = dvec3(origin);
     scene = std::move(again);
     walkNodes(file, scene);

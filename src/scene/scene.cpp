@@ -7,24 +7,6 @@
 #include "core/error.h"
 
 namespace sheen {
-namespace {
-
-// Bilinear.
-vec3 texelAt(const Texture& texture, const vec2& uv) {
-    const shared::TextureTaps taps =
-        shared::textureTaps(uv, glm::ivec2(texture.width, texture.height), texture.wrap);
-    const auto texel = [&](int x, int y) {
-        return texture.texels[static_cast<size_t>(y) * texture.width + x];
-    };
-    const vec3 lower = glm::mix(texel(taps.lower.x, taps.lower.y),
-                                texel(taps.upper.x, taps.lower.y), taps.fraction.x);
-    const vec3 upper = glm::mix(texel(taps.lower.x, taps.upper.y),
-                                texel(taps.upper.x, taps.upper.y), taps.fraction.x);
-    return glm::mix(lower, upper, taps.fraction.y);
-}
-
-}  // namespace
-
 const Camera& findCamera(const Scene& scene, const std::string& name) {
     SHEEN_CHECK(!scene.cameras.empty());
     if (name.empty()) {
@@ -56,27 +38,6 @@ CameraRay cameraRay(const Camera& camera, int width, int height, float x, float 
         (1.0f - 2.0f * (y + 0.5f) / static_cast<float>(height)) * tan_half, -1.0f);
     return {.origin = vec3(camera.world_from_camera[3]),
             .direction = glm::normalize(mat3(camera.world_from_camera) * direction_camera)};
-}
-
-MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
-    const Material& material = scene.materials[scene.materials_of[triangle]];
-    MaterialParams params = material.params;
-    if (material.base_color_texture >= 0) {
-        const uvec3& t = scene.triangles[triangle];
-        const vec2 uv = barycentric.x * scene.uvs[t.x] + barycentric.y * scene.uvs[t.y] +
-                        barycentric.z * scene.uvs[t.z];
-        params.base_color *=
-            texelAt(scene.textures[static_cast<size_t>(material.base_color_texture)], uv);
-    }
-    return params;
-}
-
-vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3&) {
-    return scene.materials[scene.materials_of[triangle]].params.emission;
-}
-
-vec3 meanEmission(const Scene& scene, uint32_t triangle) {
-    return scene.materials[scene.materials_of[triangle]].params.emission;
 }
 
 float surfaceOffset(const Scene& scene, uint32_t triangle, const vec3& position, const vec3& n_g,
