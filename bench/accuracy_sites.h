@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "cache/gather.h"
-#include "cache/record.h"
 #include "hemisphere/hemisphere.h"
 #include "rays/ray_caster.h"
+#include "record/record.h"
 #include "scene/scene.h"
 
 namespace sheen::bench {

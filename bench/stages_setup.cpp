@@ -74,18 +74,14 @@ std::vector<GatheredRecord> makeUp(std::span<const RecordSite> sites) {
     return results;
 }
 
-PixelClasses uniformClasses(const GBuffer& gbuffer, int order) {
-    PixelClasses classes;
-    classes.orders = Image<int>(gbuffer.width, gbuffer.height, kNoOrder);
-    classes.by_rays = Image<uint8_t>(gbuffer.width, gbuffer.height);
-    classes.materials = Image<int>(gbuffer.width, gbuffer.height);
-    for (int i = 0; i < gbuffer.width * gbuffer.height; ++i) {
-        if (gbuffer.seen(i)) {
-            classes.orders.pixels[static_cast<size_t>(i)] = order;
-            ++classes.geometry;
-        }
+Receivers receiversOfOrder(const View512& view, int order) {
+    Receivers receivers = receiversOf(view.scene, view.gbuffer, 0, true);
+    for (int8_t& own : receivers.orders) {
+        own = static_cast<int8_t>(own == kNoOrder ? kNoOrder : order);
     }
-    return classes;
+    receivers.irradiance_only = false;
+    receivers.lobes = buildLobes(receivers);
+    return receivers;
 }
 
 }  // namespace
@@ -156,13 +152,11 @@ const MadeUpRecords& Setup::madeUpRecords(int order, int count) {
 }
 
 MadeUpRecords::MadeUpRecords(const View512& view_, int order, int count)
-    : view(view_),
-      classes(uniformClasses(view.gbuffer, order)),
-      lobes(buildLobes(view.gbuffer, classes)) {
+    : view(view_), receivers(receiversOfOrder(view, order)) {
     // All records reach as many pixels; the count falls with the square of it.
     constexpr int kTries = 4;
     constexpr double kNear = 0.03;
-    double reach = std::sqrt(classes.geometry / static_cast<double>(count));
+    double reach = std::sqrt(receivers.counts.seen / static_cast<double>(count));
     for (int i = 0; i < kTries; ++i) {
         params.min_pixels = params.max_pixels = static_cast<float>(reach);
         field = {};
@@ -176,7 +170,7 @@ MadeUpRecords::MadeUpRecords(const View512& view_, int order, int count)
 }
 
 Placement MadeUpRecords::place(RecordField& field) const {
-    return placeRecords(view.scene, view.gbuffer, classes, lobes, params, makeUp, true, field);
+    return placeRecords(view.scene, receivers, params, makeUp, true, field);
 }
 
 }  // namespace sheen::bench

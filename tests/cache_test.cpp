@@ -1,8 +1,8 @@
 // Weights, tangent frames and screen bounds of records.
 #include <gtest/gtest.h>
 
-#include "cache/record.h"
-#include "cache/served.h"
+#include "receivers/served.h"
+#include "record/record.h"
 #include "test_scenes.h"
 
 namespace sheen {
@@ -385,23 +385,19 @@ TEST(ServedBounds, HoldWhatHasWeight) {
     int served = 0, outside_flat = 0;
     for (int i = 0; i < kRecords; ++i) {
         const Camera camera = randomCamera(random, 0.3f, 2.0f);
-        GBuffer gbuffer;
-        gbuffer.width = gbuffer.height = 1000;
-        gbuffer.view = cameraView(camera, gbuffer.width, gbuffer.height);
+        const PixelGrid image = pixelGrid(camera, 1000, 1000);
+        const View& view = image.view;
         const WeightParams weight{.accuracy = random.uniform(0.1f, 1.5f),
                                   .normal_weight = random.uniform(1.0f, 6.0f),
                                   .slab = random.uniform(0.0f, 0.2f)};
         Record k{};
-        k.position =
-            gbuffer.view.origin + random.uniform(1.0f, 4.0f) * glm::normalize(gbuffer.view.forward);
+        k.position = view.origin + random.uniform(1.0f, 4.0f) * glm::normalize(view.forward);
         k.normal = random.direction();
         k.radius = random.uniform(0.05f, 0.5f) / weight.accuracy;
         const float reach = weight.accuracy * k.radius;
-        const PixelRect rect = servedBounds(gbuffer, k, weight);
-        const PixelRect flat = slabBounds(gbuffer.view, gbuffer.width, gbuffer.height, k.position,
-                                          reach, k.normal, weight.slab * reach);
-        const mat3 image_from_world =
-            glm::inverse(mat3(gbuffer.view.right, gbuffer.view.up, gbuffer.view.forward));
+        const PixelRect rect = servedBounds(image, k, weight);
+        const PixelRect flat = slabBounds(image, k.position, reach, k.normal, weight.slab * reach);
+        const mat3 image_from_world = glm::inverse(mat3(view.right, view.up, view.forward));
         const auto holds = [](const PixelRect& r, const vec2& pixel) {
             return pixel.x > static_cast<float>(r.x0) && pixel.x < static_cast<float>(r.x1) &&
                    pixel.y > static_cast<float>(r.y0) && pixel.y < static_cast<float>(r.y1);
@@ -413,7 +409,7 @@ TEST(ServedBounds, HoldWhatHasWeight) {
             if (shared::recordWeight(weight, k.position, k.normal, k.radius, p, n, 1e-4f) <= 0.0f) {
                 continue;
             }
-            const vec3 q = image_from_world * (p - gbuffer.view.origin);
+            const vec3 q = image_from_world * (p - view.origin);
             const vec2 pixel = (0.5f * vec2(q) / q.z + 0.5f) * 1000.0f;
             if (q.z <= 0.0f || std::min(pixel.x, pixel.y) < 0.0f ||
                 std::max(pixel.x, pixel.y) >= 1000.0f) {

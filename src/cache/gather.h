@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "cache/record.h"
 #include "hemisphere/hemisphere.h"
+#include "record/record.h"
 #include "sh/sh.h"
 
 namespace sheen {

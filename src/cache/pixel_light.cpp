@@ -35,56 +35,50 @@ uint32_t seedAt(const Scene& scene, uint32_t triangle, const vec3& position, flo
 
 }  // namespace
 
-RecordSite siteAt(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                  int pixel) {
-    const auto i = static_cast<size_t>(pixel);
-    const RayCaster::Receiver p = gbuffer.receiverAt(scene, pixel);
-    const vec4& normal = gbuffer.normal.pixels[i];
+RecordSite siteAt(const Scene& scene, const Receivers& receivers, size_t i) {
+    const RayCaster::Receiver p = receivers.surfaceAt(scene, i);
     RecordSite site{
         .position = p.position,
-        .normal = vec3(normal),
+        .normal = receivers.normals[i],
         .geometric_normal = p.n_g,
         .toward_viewer = p.toward_viewer,
         .offset = p.offset,
-        .seed = seedAt(scene, gbuffer.primitive.pixels[i], p.position, gbuffer.footprintAt(pixel)),
-        .order = classes.orders.pixels[i]};
-    if (!classes.irradiance_only && !classes.isTooGlossy(pixel)) {
-        const vec3 f0 = gbuffer.f0.pixels[i];
-        site.lobe = {.alpha = shared::alphaFromRoughness(normal.w),
+        .seed = seedAt(scene, receivers.triangles[i], p.position, receivers.footprints[i]),
+        .order = receivers.orders[i]};
+    if (!receivers.irradiance_only && !receivers.isTooGlossy(i)) {
+        const vec3& f0 = receivers.f0[i];
+        site.lobe = {.alpha = receivers.alpha(i),
                      .f0 = (f0.x + f0.y + f0.z) / 3.0f,
-                     .f90 = gbuffer.diffuse.pixels[i].w};
+                     .f90 = receivers.f90[i]};
     }
     return site;
 }
 
-float outgoingLuminance(const GBuffer& gbuffer, const PixelClasses& classes,
-                        const PixelLobes& lobes, const Record& record, const float* sh, int pixel) {
-    const auto i = static_cast<size_t>(pixel);
-    const vec3 p(gbuffer.position.pixels[i]);
-    const vec3 irradiance = shared::recordIrradiance(record, p, vec3(gbuffer.normal.pixels[i]));
-    const vec3 albedo = specularAlbedo(gbuffer, pixel);
-    if (classes.irradiance_only || classes.isTooGlossy(pixel) || albedo == vec3(0.0f)) {
+float outgoingLuminance(const Receivers& receivers, const Record& record, const float* sh,
+                        size_t i) {
+    const vec3 irradiance =
+        shared::recordIrradiance(record, receivers.positions[i], receivers.normals[i]);
+    const vec3 albedo = receivers.specularAlbedo(i);
+    if (receivers.irradiance_only || receivers.isTooGlossy(i) || albedo == vec3(0.0f)) {
         return luminance(irradiance);
     }
-    vec3 light = lobeLight(gbuffer, classes, lobes, record, sh, pixel);
-    if (static_cast<int>(record.material) == classes.materials.pixels[i]) {
+    vec3 light = lobeLight(receivers, record, sh, i);
+    if (static_cast<int>(record.material) == receivers.materials[i]) {
         light += shared::recordMissed(record);
     }
-    return luminance(vec3(gbuffer.diffuse.pixels[i]) * irradiance / kPi +
+    return luminance(receivers.diffuse[i] * irradiance / kPi +
                      albedo * glm::max(light, vec3(0.0f)));
 }
 
-vec3 lobeLight(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-               const Record& record, const float* sh, int pixel) {
-    const auto i = static_cast<size_t>(pixel);
-    const vec3 p(gbuffer.position.pixels[i]);
-    const int order = classes.orders.pixels[i];
+vec3 lobeLight(const Receivers& receivers, const Record& record, const float* sh, size_t i) {
+    const vec3& p = receivers.positions[i];
+    const int order = receivers.orders[i];
     if (order == shared::DIFFUSE_ORDER) {
-        return shared::recordIrradiance(record, p, vec3(gbuffer.normal.pixels[i])) / kPi;
+        return shared::recordIrradiance(record, p, receivers.normals[i]) / kPi;
     }
-    const shared::ShVector lobe = lobes.at(pixel, order);
-    return lobes.scale.pixels[i] * convolveRecord(record, sh, lobe.c, order, p) /
-           glm::max(specularAlbedo(gbuffer, pixel), vec3(1e-12f));
+    const shared::ShVector lobe = receivers.lobes.at(i, order);
+    return receivers.lobes.scale[i] * convolveRecord(record, sh, lobe.c, order, p) /
+           glm::max(receivers.specularAlbedo(i), vec3(1e-12f));
 }
 
 }  // namespace sheen

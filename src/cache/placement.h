@@ -4,11 +4,9 @@
 
 #include <vector>
 
-#include "cache/classes.h"
 #include "cache/gather.h"
-#include "cache/lobes.h"
-#include "cache/record.h"
-#include "raster/gbuffer.h"
+#include "receivers/receivers.h"
+#include "record/record.h"
 
 namespace sheen {
 
@@ -66,8 +64,8 @@ struct Placement {
 /// radii, and gathered together, so that the gather can run in parallel; the batch is part of the
 /// parameters and not of the machine, so the records never depend on the number of threads.
 /// A batch of 1 and a stride of 1 is the chapter's linear scan, [GKB09, algorithm 5].
-Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                       const PixelLobes& lobes, const PlacementParams& params,
-                       const GatherFunction& gather, bool quiet, RecordField& field);
+Placement placeRecords(const Scene& scene, const Receivers& receivers,
+                       const PlacementParams& params, const GatherFunction& gather, bool quiet,
+                       RecordField& field);
 
 }  // namespace sheen

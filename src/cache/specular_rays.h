@@ -3,11 +3,10 @@
 // filtered.
 #pragma once
 
-#include "cache/classes.h"
 #include "image/image.h"
-#include "raster/gbuffer.h"
 #include "rays/light_cells.h"
 #include "rays/ray_caster.h"
+#include "receivers/receivers.h"
 
 namespace sheen {
 
@@ -26,21 +25,20 @@ struct SpecularSeen {
     float nearness = 0;   ///< mean of one over the distance it comes from; 0: no ray met anything
 };
 
-/// What the lobes of the pixels in PixelClasses::by_rays see of indirect light. Rays follow the
+/// What the lobes of Receivers::by_rays see of indirect light. Rays follow the
 /// lobe (visible normals [Hei18]) at random places; they see light scattered once, as a record
 /// does. `cells`: may be null.
 Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells,
-                                  const GBuffer& gbuffer, const PixelClasses& classes,
-                                  const SpecularParams& params);
+                                  const Receivers& receivers, const SpecularParams& params);
 
 /// The mean of the light that a pixel's lobe sees by `share` times as many rays as usual, others
 /// than before for each `sample` from 0 on.
-vec3 seeAgain(const RayCaster& rays, const LightCells& cells, const GBuffer& gbuffer, int pixel,
-              float share, int sample, const SpecularParams& params);
+vec3 seeAgain(const RayCaster& rays, const LightCells& cells, const Receivers& receivers,
+              size_t pixel, float share, int sample, const SpecularParams& params);
 
 /// What these lobes reflect; black elsewhere. `cached`: by the records alone, as cachedSpecular()
 /// finds it; of pixels too glossy for the cache it is not asked.
-Image<vec3> reflectSpecular(const GBuffer& gbuffer, const PixelClasses& classes,
-                            const Image<SpecularSeen>& seen, const Image<vec3>& cached);
+Image<vec3> reflectSpecular(const Receivers& receivers, const Image<SpecularSeen>& seen,
+                            const Image<vec3>& cached);
 
 }  // namespace sheen

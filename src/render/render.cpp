@@ -16,6 +16,7 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "gl/objects.h"
+#include "receivers/classes.h"
 #include "render/session.h"
 #include "splat/splat.h"
 
@@ -127,10 +128,10 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     constexpr size_t kRecordsPerProbe = 40;
     constexpr size_t kFewest = 32;
     constexpr size_t kEnough = 400;
-    const NeighbourErrors errors = neighbourErrors(view.gbuffer, view.classes, view.lobes, cache,
-                                                   view.field.pixels, weight, indirect);
+    const NeighbourErrors errors =
+        neighbourErrors(view.receivers, cache, view.field.pixels, weight, indirect);
     std::vector<Probe> probes = chooseProbes(
-        errors, view.classes, indirect,
+        errors, view.receivers, indirect,
         static_cast<int>(std::clamp(cache.records.size() / kRecordsPerProbe, kFewest, kEnough)));
     HemisphereParams seen = hemisphere;
     seen.kind = HemisphereKind::kHemicube;
@@ -139,10 +140,10 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     }
     RayGatherer gatherer(state.rays, *state.cells, seen);
     gatherProbes(
-        state.scene, view.gbuffer, view.classes, view.field,
+        state.scene, view.receivers, view.field,
         [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, state.rays,
         *state.cells, params.specular, probes);
-    return estimateError(errors, probes, view.gbuffer, view.classes, indirect);
+    return estimateError(errors, probes, view.receivers, indirect);
 }
 
 // Along a crease each pixel gets a record of its own, however coarse the others are, until records
@@ -163,7 +164,6 @@ struct Pass {
 // nothing of `result` but times.
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
                 RenderResult& result) {
-    const bool irradiance_only = params.method == Method::kIrradiance;
     PlacementParams how = params.placement;
     how.accuracy = pass.accuracy;
     if (how.min_pixels == 0.0f) {
@@ -200,33 +200,30 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
         }
         return gatherer.gather(sites);
     };
-    const Placement placement = placeRecords(state.scene, view.gbuffer, view.classes, view.lobes,
-                                             how, gather, params.quiet, view.field);
+    const Placement placement =
+        placeRecords(state.scene, view.receivers, how, gather, params.quiet, view.field);
     account();
 
     const Timer splat_timer;
-    SplatBuffer splat = splatGpu(state.pool, view.gbuffer, view.classes, view.lobes,
-                                 placement.cache, how.servingWeight());
+    SplatBuffer splat = splatGpu(state.pool, view.receivers, placement.cache, how.servingWeight());
     state.pool.runOnFirst(dropTargets);
     seconds.splat += splat_timer.seconds();
 
     const Timer compose_timer;
     Image<vec3> specular;  // of pixels that rays see; none in many scenes
     if (!view.specular.pixels.empty()) {
-        specular = reflectSpecular(view.gbuffer, view.classes, view.specular,
-                                   cachedSpecular(view.gbuffer, view.classes, view.lobes, splat));
+        specular =
+            reflectSpecular(view.receivers, view.specular, cachedSpecular(view.receivers, splat));
     }
     const ComposeCounts counts =
-        compose(view.gbuffer, view.classes, view.lobes, splat, specular,
-                {.irradiance_only = irradiance_only, .geometry = params.all_layers}, result.frame);
+        compose(view.receivers, splat, specular, params.all_layers, result.frame);
     splat = {};
     specular = {};
-    const ErrorEstimate estimate =
-        judge(state, params, view, placement.cache, how.servingWeight(), hemisphere,
-              irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
+    const ErrorEstimate estimate = judge(
+        state, params, view, placement.cache, how.servingWeight(), hemisphere,
+        view.receivers.irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
     if (params.all_layers) {
-        result.frame.records =
-            countRecords(view.gbuffer, view.classes, placement.cache, how.servingWeight());
+        result.frame.records = countRecords(view.receivers, placement.cache, how.servingWeight());
     }
     seconds.compose += compose_timer.seconds();
 
@@ -325,11 +322,12 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     }
     countPixels(result);
     stats.gl_renderer = state.pool.renderer();
-    const double geometry = std::max(view.classes.geometry, 1);
-    stats.diffuse_share = view.classes.diffuse / geometry;
-    stats.corrected_share = view.classes.corrected / geometry;
-    stats.too_glossy_share = view.classes.too_glossy / geometry;
-    stats.sh_order = nameOrders(state.scene, view.classes.material_orders);
+    const ReceiverCounts& counts = view.receivers.counts;
+    const double seen = std::max(counts.seen, 1);
+    stats.diffuse_share = counts.diffuse / seen;
+    stats.corrected_share = counts.corrected / seen;
+    stats.too_glossy_share = counts.too_glossy / seen;
+    stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
     return result;
 }
 
