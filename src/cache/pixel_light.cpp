@@ -36,7 +36,7 @@ uint32_t seedAt(const Scene& scene, uint32_t triangle, const vec3& position, flo
 }  // namespace
 
 RecordSite siteAt(const Scene& scene, const Receivers& receivers, size_t i) {
-    const RayCaster::Receiver p = receivers.surfaceAt(scene, i);
+    const SurfaceSide p = receivers.sideAt(scene, i);
     RecordSite site{
         .position = p.position,
         .normal = receivers.normals[i],

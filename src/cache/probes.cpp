@@ -184,7 +184,7 @@ std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const Receive
 }
 
 void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordField& field,
-                  const GatherFunction& gather, const RayCaster& rays, const LightCells& cells,
+                  const GatherFunction& gather, const OutgoingLight& outgoing,
                   const SpecularParams& params, std::span<Probe> probes) {
     std::vector<RecordSite> sites(probes.size());
     parallelFor(static_cast<int>(probes.size()), [&](int k) {
@@ -204,7 +204,7 @@ void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordFi
             const auto pixel = static_cast<size_t>(probe.pixel);
             vec3 light = g.lobe_light;
             if (receivers.by_rays[pixel] != 0) {
-                light = seeAgain(rays, cells, receivers, pixel, kLobeRays, half, params);
+                light = seeAgain(outgoing, receivers, pixel, kLobeRays, half, params);
             }
             probe.light[half] = receivers.diffuse[pixel] * g.record.irradiance / kPi;
             if (!receivers.irradiance_only) {

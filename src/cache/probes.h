@@ -28,7 +28,7 @@ std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const Receive
 /// Gathers their light, `gather` being asked twice, for sites of other seeds. The closest of the
 /// field's records tell where to look closer.
 void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordField& field,
-                  const GatherFunction& gather, const RayCaster& rays, const LightCells& cells,
+                  const GatherFunction& gather, const OutgoingLight& outgoing,
                   const SpecularParams& params, std::span<Probe> probes);
 
 /// The error of an image as a share of its mean, rel_rmse of docs/metrics.md.

@@ -13,7 +13,7 @@ namespace {
 
 // Rays are cast in the order of blocks of texels, which are seen in similar directions.
 constexpr int kBlockWidth = 4;
-constexpr int kBlockHeight = RayCaster::kPacket / kBlockWidth;
+constexpr int kBlockHeight = Tracer::kPacket / kBlockWidth;
 
 // A texel gets a ray more for each average texel's worth of light that it varies by: for a given
 // number of rays a sum's variance is least where each texel has them in proportion to its standard
@@ -84,11 +84,11 @@ struct TexelRays {
             of.push_back(texel);
         }
     }
-    std::vector<vec4> cast(const RayCaster& rays, const vec3& eye, const LightCells& cells,
+    std::vector<vec4> cast(const OutgoingLight& light, const vec3& eye,
                            vec3* planes = nullptr) const {
         std::vector<vec4> seen(directions.size());
-        rays.cast({.origin = eye, .directions = directions, .solid_angles = solid_angles},
-                  seen.data(), &cells, planes);
+        light.cast({.origin = eye, .directions = directions, .solid_angles = solid_angles},
+                  seen.data(), planes);
         return seen;
     }
 };
@@ -361,7 +361,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
 
     const TexelRays first = raysThroughTexels(h, faces, site.geometric_normal, seed);
     std::vector<vec3> planes(first.of.size());
-    const std::vector<vec4> first_seen = first.cast(rays_, eye, cells_, planes.data());
+    const std::vector<vec4> first_seen = first.cast(light_, eye, planes.data());
     for (size_t i = 0; i < first.of.size(); ++i) {
         texels[first.of[i]] = first_seen[i];
         result.texels.planes[first.of[i]] = planes[i] * frame;  // into the record's frame
@@ -372,7 +372,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
     const float sharpness = static_cast<float>(h.params.size) / static_cast<float>(params_.size);
     heedContrasts(h, faces, eye, found, sharpness, contrasts);
     const TexelRays more = raysWhereLightChanges(h, faces, site.geometric_normal, seed, contrasts);
-    const std::vector<vec4> more_seen = more.cast(rays_, eye, cells_);
+    const std::vector<vec4> more_seen = more.cast(light_, eye);
     addRays(more, more_seen, contrasts, texels);
     result.rays = static_cast<int64_t>(first.of.size() + more.of.size());
     result.contrasts = findContrasts(h, texels, weights, more, more_seen, eye, frame);

@@ -10,8 +10,7 @@
 
 #include "cache/gather.h"
 #include "core/error.h"
-#include "rays/light_cells.h"
-#include "rays/ray_caster.h"
+#include "light/outgoing.h"
 
 namespace sheen {
 
@@ -19,14 +18,14 @@ namespace sheen {
 /// where `usual` are asked for: `usual`, also where the reach is not known (0), or an even number.
 int sideForReach(int usual, float reach);
 
-/// Gathers on all threads; the results depend on the sites alone. The caster and the cells must
-/// outlive it.
+/// Gathers on all threads; the results depend on the sites alone. The light must outlive
+/// it.
 class RayGatherer {
   public:
     /// A hemicube alone: rays go through a face's texels, and a border's stand for what lies
     /// beyond.
-    RayGatherer(const RayCaster& rays, const LightCells& cells, const HemisphereParams& params)
-        : rays_(rays), cells_(cells), params_(params) {
+    RayGatherer(const OutgoingLight& light, const HemisphereParams& params)
+        : light_(light), params_(params) {
         SHEEN_CHECK(params.kind == HemisphereKind::kHemicube);
     }
 
@@ -52,8 +51,7 @@ class RayGatherer {
     Seen see(const Hemisphere& h, const RecordSite& site, uint32_t seed,
              std::span<const Contrast> found) const;
 
-    const RayCaster& rays_;
-    const LightCells& cells_;
+    const OutgoingLight& light_;
     HemisphereParams params_;
     std::map<int, Resolution> resolutions_;  // by texels along the side
     int64_t rays_cast_ = 0;

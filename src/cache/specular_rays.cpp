@@ -15,17 +15,16 @@ namespace sheen {
 namespace {
 
 // A row of samples is a packet of rays.
-constexpr int kRowSamples = RayCaster::kPacket;
+constexpr int kRowSamples = Tracer::kPacket;
 constexpr uint32_t kMostSamples = 1u << 16u;  // of a pixel, more than there are
 
 // What a pixel sees by this share of the usual rays, when `sharing` pixels share them. A ray sees
 // highlights as wide as the cone it stands for: where that is counted too wide, mirrored highlights
 // are blurred. Rays are weighted by the estimator of visible normals, F G2 / G1, whose mean is the
 // lobe's albedo.
-SpecularSeen see(const RayCaster& rays, const LightCells* cells, const Receivers& receivers,
-                 size_t i, float rays_share, float sharing, const SpecularParams& params,
-                 uint32_t sample = 0) {
-    const RayCaster::Receiver from = receivers.surfaceAt(rays.scene(), i);
+SpecularSeen see(const OutgoingLight& light, const Receivers& receivers, size_t i, float rays_share,
+                 float sharing, const SpecularParams& params, uint32_t sample = 0) {
+    const SurfaceSide from = receivers.sideAt(light.scene(), i);
     const vec3& n_g = from.n_g;
     const mat3 frame = tangentFrame(receivers.normals[i]);
     const vec3 wo_local = glm::transpose(frame) * receivers.towardViewer(i);
@@ -33,7 +32,7 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const Receivers
     const float alpha = receivers.alpha(i);
     const vec3& f0 = receivers.f0[i];
     const float f90 = receivers.f90[i];
-    const vec3 eye = offSurface(from.position, n_g, from.toward_viewer, from.offset);
+    const vec3 eye = from.start();
     const float wanted =
         rays_share * std::min(params.rays_per_alpha * alpha, static_cast<float>(params.max_rays));
     const int rows = std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), 1);
@@ -76,10 +75,10 @@ SpecularSeen see(const RayCaster& rays, const LightCells* cells, const Receivers
                 weights[count++] = weight;
             }
         }
-        rays.cast({.origin = eye,
-                   .directions = {directions, count},
-                   .solid_angles = {solid_angles, count}},
-                  seen, cells);
+        light.cast({.origin = eye,
+                    .directions = {directions, count},
+                    .solid_angles = {solid_angles, count}},
+                   seen);
         for (size_t k = 0; k < count; ++k) {
             result.light[halves[k]] += weights[k] * vec3(seen[k]);
             result.nearness += seen[k].w > 0.0f ? 1.0f / seen[k].w : 0.0f;
@@ -110,29 +109,29 @@ void forEachByRays(const Receivers& receivers, const F& body) {
 
 }  // namespace
 
-Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells,
-                                  const Receivers& receivers, const SpecularParams& params) {
+Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const Receivers& receivers,
+                                  const SpecularParams& params) {
     // As many pixels as a Gaussian counts for: 4 pi times its variance.
     const float sharing = std::max(4.0f * kPi * params.window * params.window, 1.0f);
     Image<SpecularSeen> seen(receivers.image.width, receivers.image.height);
     forEachByRays(receivers, [&](size_t i) {
         if (!receivers.isCorrected(i)) {
-            seen.pixels[i] = see(rays, cells, receivers, i, 1.0f, 1.0f, params);
+            seen.pixels[i] = see(light, receivers, i, 1.0f, 1.0f, params);
             return;
         }
         // Their noise shows by the lobe's share of what a pixel reflects: so do their rays [Ney34].
         const float specular = luminance(receivers.specularAlbedo(i));
         const float all = specular + luminance(receivers.diffuse[i]);
         const float share = specular / std::max(all, 1e-12f);
-        seen.pixels[i] = see(rays, cells, receivers, i, share, sharing, params);
+        seen.pixels[i] = see(light, receivers, i, share, sharing, params);
     });
     return seen;
 }
 
-vec3 seeAgain(const RayCaster& rays, const LightCells& cells, const Receivers& receivers,
-              size_t pixel, float share, int sample, const SpecularParams& params) {
+vec3 seeAgain(const OutgoingLight& light, const Receivers& receivers, size_t pixel, float share,
+              int sample, const SpecularParams& params) {
     const SpecularSeen seen =
-        see(rays, &cells, receivers, pixel, share, 1.0f, params, static_cast<uint32_t>(sample + 1));
+        see(light, receivers, pixel, share, 1.0f, params, static_cast<uint32_t>(sample + 1));
     return (seen.light[0] + seen.light[1]) /
            glm::max(seen.weight[0] + seen.weight[1], vec3(1e-12f));
 }

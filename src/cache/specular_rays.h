@@ -4,8 +4,7 @@
 #pragma once
 
 #include "image/image.h"
-#include "rays/light_cells.h"
-#include "rays/ray_caster.h"
+#include "light/outgoing.h"
 #include "receivers/receivers.h"
 
 namespace sheen {
@@ -25,16 +24,15 @@ struct SpecularSeen {
     float nearness = 0;   ///< mean of one over the distance it comes from; 0: no ray met anything
 };
 
-/// What the lobes of Receivers::by_rays see of indirect light. Rays follow the
-/// lobe (visible normals [Hei18]) at random places; they see light scattered once, as a record
-/// does. `cells`: may be null.
-Image<SpecularSeen> traceSpecular(const RayCaster& rays, const LightCells* cells,
-                                  const Receivers& receivers, const SpecularParams& params);
+/// What the lobes of Receivers::by_rays see of indirect light. Rays follow the lobe (visible
+/// normals [Hei18]) at random places; they see the light that records see.
+Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const Receivers& receivers,
+                                  const SpecularParams& params);
 
 /// The mean of the light that a pixel's lobe sees by `share` times as many rays as usual, others
 /// than before for each `sample` from 0 on.
-vec3 seeAgain(const RayCaster& rays, const LightCells& cells, const Receivers& receivers,
-              size_t pixel, float share, int sample, const SpecularParams& params);
+vec3 seeAgain(const OutgoingLight& light, const Receivers& receivers, size_t pixel, float share,
+              int sample, const SpecularParams& params);
 
 /// What these lobes reflect; black elsewhere. `cached`: by the records alone, as cachedSpecular()
 /// finds it; of pixels too glossy for the cache it is not asked.

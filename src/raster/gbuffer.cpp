@@ -12,8 +12,7 @@ namespace sheen {
 namespace {
 
 // Writes what a pixel sees. A surface at the eye itself has no depth and is not seen.
-void writePixel(const Scene& scene, const RayCaster::FirstHit& hit, const vec3& direction, size_t i,
-                GBuffer& g) {
+void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_t i, GBuffer& g) {
     const SurfacePoint p =
         surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
     const float depth = g.image.depthOf(p.position);
@@ -64,8 +63,8 @@ Bounds grown(const Bounds& box, float share) {
 
 }  // namespace
 
-GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height) {
-    const Scene& scene = rays.scene();
+GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height) {
+    const Scene& scene = tracer.scene();
     GBuffer result;
     result.image = pixelGrid(camera, width, height);
     for (Image<vec3>* image :
@@ -84,8 +83,9 @@ GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, in
         for (int x = 0; x < width; ++x) {
             const CameraRay ray =
                 cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
-            if (const auto hit = rays.meetFirst(ray.origin, ray.direction)) {
-                writePixel(scene, *hit, ray.direction, static_cast<size_t>(y * width + x), result);
+            const Hit hit = tracer.meetAlone(ray.origin, ray.direction);
+            if (hit.found()) {
+                writePixel(scene, hit, ray.direction, static_cast<size_t>(y * width + x), result);
             }
         }
     });
@@ -168,17 +168,6 @@ void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer) {
         glReadPixels(0, 0, width, height, GL_RGB, GL_FLOAT, gbuffer.direct.pixels.data());
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
     });
-}
-
-RayCaster::Receiver receiverAt(const Scene& scene, uint32_t triangle, const vec3& position,
-                               const vec3& eye) {
-    const vec3 way = eye - position;
-    const vec3 n_g = shared::faceViewer(geometricNormal(scene, static_cast<int>(triangle)), way);
-    const float distance = glm::length(way);
-    return {.position = position,
-            .n_g = n_g,
-            .toward_viewer = way / distance,
-            .offset = surfaceOffset(scene, triangle, position, n_g, distance)};
 }
 
 }  // namespace sheen

@@ -7,7 +7,8 @@
 #include "image/image.h"
 #include "raster/gpu_scene.h"
 #include "raster/view.h"
-#include "rays/ray_caster.h"
+#include "rays/surface_point.h"
+#include "rays/tracer.h"
 
 namespace sheen {
 
@@ -25,16 +26,15 @@ struct GBuffer {
     Image<vec3> emission;    ///< radiance; empty where no material emits
     Image<uint32_t> primitive;
 
-    bool seen(int i) const { return depth.pixels[static_cast<size_t>(i)] > 0.0f; }
+    bool seen(size_t i) const { return depth.pixels[i] > 0.0f; }
+    /// Where rays leave what pixel i sees, on the camera's side.
+    SurfaceSide sideAt(const Scene& scene, size_t i) const {
+        return sideToward(scene, primitive.pixels[i], position.pixels[i], image.view.origin);
+    }
 };
 
-/// Where a ray that leaves a point of a triangle starts, and on which side, as offSurface() has it,
-/// for whoever sees the point from `eye`.
-RayCaster::Receiver receiverAt(const Scene& scene, uint32_t triangle, const vec3& position,
-                               const vec3& eye);
-
 /// What a ray through each pixel's middle meets first. Direct light is black.
-GBuffer renderGBuffer(const RayCaster& rays, const Camera& camera, int width, int height);
+GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height);
 
 /// Boxes of surfaces, each within the next, from what the camera sees nearest to it on to all but
 /// the scene's bounds: none where these are hardly larger, as where a room is the scene.

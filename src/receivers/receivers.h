@@ -63,9 +63,9 @@ struct Receivers {
     /// Unit.
     vec3 towardViewer(size_t i) const { return glm::normalize(image.view.origin - positions[i]); }
     float alpha(size_t i) const { return shared::alphaFromRoughness(roughness[i]); }
-    /// Where rays that leave it start, and on which side, as offSurface() has it.
-    RayCaster::Receiver surfaceAt(const Scene& scene, size_t i) const {
-        return receiverAt(scene, triangles[i], positions[i], image.view.origin);
+    /// Where rays leave it, on the viewer's side.
+    SurfaceSide sideAt(const Scene& scene, size_t i) const {
+        return sideToward(scene, triangles[i], positions[i], image.view.origin);
     }
     /// What the specular lobe reflects of constant light.
     vec3 specularAlbedo(size_t i) const;

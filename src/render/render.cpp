@@ -105,7 +105,7 @@ class PassGatherer {
   public:
     PassGatherer(SceneState& state, const HemisphereParams& hemisphere) {
         if (state.road == GatherRoad::kRays) {
-            rays_.emplace(state.rays, *state.cells, hemisphere);
+            rays_.emplace(*state.outgoing, hemisphere);
         } else {
             raster_.emplace(state.pool, state.gpu, hemisphere);
         }
@@ -138,11 +138,11 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     if (state.road != GatherRoad::kRays) {
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
-    RayGatherer gatherer(state.rays, *state.cells, seen);
+    RayGatherer gatherer(*state.outgoing, seen);
     gatherProbes(
         state.scene, view.receivers, view.field,
-        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, state.rays,
-        *state.cells, params.specular, probes);
+        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, *state.outgoing,
+        params.specular, probes);
     return estimateError(errors, probes, view.receivers, indirect);
 }
 

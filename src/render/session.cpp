@@ -1,8 +1,8 @@
 #include "render/session.h"
 
-#include "cache/direct_rays.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "light/direct.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -34,7 +34,7 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
       road(road_),
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
-      rays(timed(seconds.gather, [&] { return RayCaster(scene); })) {
+      tracer(timed(seconds.gather, [&] { return Tracer(scene); })) {
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
@@ -42,17 +42,17 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
 }
 
 void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds) {
-    if (cells && near == boxes) {
+    if (outgoing && near == boxes) {
         return;
     }
-    cells.reset();  // made last: there are none where anything fails
+    outgoing.reset();  // made last: there are none where anything fails
     near = boxes;
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         renderShadowMaps(pool, scene, gpu, near);
     }
     const StageTimer timer(seconds.gather);
-    cells.emplace(rays, near);
+    outgoing.emplace(tracer, LightCells(tracer, near));
 }
 
 SceneState::~SceneState() {
@@ -68,13 +68,13 @@ SceneState::~SceneState() {
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds) {
     GBuffer gbuffer = timed(seconds.gbuffer, [&] {
         const Camera camera = findCamera(state.scene, params.camera);
-        return renderGBuffer(state.rays, camera, params.width, params.height);
+        return renderGBuffer(state.tracer, camera, params.width, params.height);
     });
     state.prepareFor(nearBoxes(state.scene, gbuffer), seconds);
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {
-            gbuffer.direct = traceDirect(state.rays, gbuffer);
+            gbuffer.direct = traceDirect(state.tracer, gbuffer);
         } else {
             lightGBuffer(state.pool, state.gpu, gbuffer);
         }
@@ -86,7 +86,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     checkSplat(state.pool, receivers);
     if (receivers.anyByRays()) {
         const StageTimer timer(seconds.gather);
-        specular = traceSpecular(state.rays, &*state.cells, receivers, params.specular);
+        specular = traceSpecular(*state.outgoing, receivers, params.specular);
     }
 }
 

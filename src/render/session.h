@@ -7,9 +7,9 @@
 #include "cache/placement.h"
 #include "cache/specular_rays.h"
 #include "gl/worker_pool.h"
+#include "light/scattered_once.h"
 #include "raster/gpu_scene.h"
-#include "rays/light_cells.h"
-#include "rays/ray_caster.h"
+#include "rays/tracer.h"
 #include "render/render.h"
 
 namespace sheen {
@@ -20,9 +20,9 @@ struct SceneState {
     const Scene& scene;
     const GatherRoad road;
     gl::WorkerPool pool;
-    RayCaster rays;
-    std::optional<LightCells> cells;
-    GpuScene gpu;              // empty where records use rays
+    Tracer tracer;
+    std::optional<ScatteredOnce> outgoing;  // what rays see
+    GpuScene gpu;                           // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
 
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.

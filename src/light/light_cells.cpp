@@ -1,9 +1,10 @@
-#include "rays/light_cells.h"
+#include "light/light_cells.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
+#include "light/punctual.h"
 #include "rays/surface_point.h"
 
 namespace sheen {
@@ -132,15 +133,15 @@ struct LightCells::LitTriangle {
     std::vector<Cell> cells[2];
 };
 
-LightCells::LightCells(const RayCaster& rays, const std::vector<Bounds>& near) {
-    const std::vector<uint32_t> n = divisions(rays.scene(), near);
+LightCells::LightCells(const Tracer& tracer, const std::vector<Bounds>& near) {
+    const std::vector<uint32_t> n = divisions(tracer.scene(), near);
     const size_t count = n.size();
     std::vector<LitTriangle> lit(count);
     parallelFor(
         static_cast<int>(count),
         [&](int i) {
             const auto t = static_cast<size_t>(i);
-            lit[t] = light(rays, static_cast<uint32_t>(i), n[t]);
+            lit[t] = light(tracer, static_cast<uint32_t>(i), n[t]);
         },
         16);
     sides_.reserve(2 * count);
@@ -155,8 +156,8 @@ LightCells::LightCells(const RayCaster& rays, const std::vector<Bounds>& near) {
     }
 }
 
-LightCells::LitTriangle LightCells::light(const RayCaster& rays, uint32_t index, uint32_t n) {
-    const Scene& scene = rays.scene();
+LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, uint32_t n) {
+    const Scene& scene = tracer.scene();
     const Triangle triangle(scene, index);
     const Grid grid{n};
     const float edge = triangle.longestEdge() / static_cast<float>(n);
@@ -176,25 +177,25 @@ LightCells::LitTriangle LightCells::light(const RayCaster& rays, uint32_t index,
 
     // Which lights reach the cells' corners and middles.
     const auto reachedAt = [&](const std::vector<vec2>& uvs) {
-        std::vector<uint32_t> reached(uvs.size());
-        for (size_t first = 0; first < uvs.size(); first += RayCaster::kPacket) {
-            const size_t count = std::min<size_t>(RayCaster::kPacket, uvs.size() - first);
-            RayCaster::Receiver receivers[RayCaster::kPacket];
+        std::vector<uint32_t> result(uvs.size());
+        for (size_t first = 0; first < uvs.size(); first += Tracer::kPacket) {
+            const size_t count = std::min<size_t>(Tracer::kPacket, uvs.size() - first);
+            SurfaceSide points[Tracer::kPacket];
             for (size_t l = 0; l < light_count; ++l) {
                 for (size_t k = 0; k < count; ++k) {
                     const vec3 position = triangle.at(uvs[first + k]);
-                    receivers[k] = {.position = position,
+                    points[k] = {.position = position,
                                     .n_g = (facing[0] & bit(l)) != 0 ? front : -front,
                                     .toward_viewer = vec3(0.0f),
                                     .offset = surfaceOffset(scene, index, position, front, edge)};
                 }
-                const uint32_t lit = rays.reached(scene.lights[l], {receivers, count});
+                const uint32_t lit = reached(tracer, scene.lights[l], {points, count});
                 for (size_t k = 0; k < count; ++k) {
-                    reached[first + k] |= (lit >> k & 1u) != 0 ? bit(l) : 0u;
+                    result[first + k] |= (lit >> k & 1u) != 0 ? bit(l) : 0u;
                 }
             }
         }
-        return reached;
+        return result;
     };
     const std::vector<uint32_t> corners = reachedAt(grid.corners());
     const std::vector<uint32_t> middles = reachedAt(grid.middles());

@@ -2,12 +2,12 @@
 #pragma once
 
 #include "raster/gbuffer.h"
-#include "rays/ray_caster.h"
+#include "rays/tracer.h"
 
 namespace sheen {
 
 /// Radiance of direct light that each pixel of the G-buffer scatters toward the camera, a shadow
 /// ray from its middle for each light. Black where nothing is seen.
-Image<vec3> traceDirect(const RayCaster& rays, const GBuffer& gbuffer);
+Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer);
 
 }  // namespace sheen

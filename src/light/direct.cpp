@@ -1,34 +1,34 @@
-#include "cache/direct_rays.h"
+#include "light/direct.h"
 
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "light/punctual.h"
 #include "rays/surface_point.h"
 
 namespace sheen {
 
-Image<vec3> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
-    constexpr int kPacket = RayCaster::kPacket;
-    const Scene& scene = rays.scene();
+Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer) {
+    constexpr int kPacket = Tracer::kPacket;
+    const Scene& scene = tracer.scene();
     const PixelGrid& image = gbuffer.image;
     Image<vec3> direct(image.width, image.height);
     parallelFor(image.height, [&](int y) {
         size_t pixels[kPacket];
-        RayCaster::Receiver receivers[kPacket];
+        SurfaceSide points[kPacket];
         for (int x = 0; x < image.width;) {
             // The row's next pixels that see something.
             size_t count = 0;
             for (; x < image.width && count < kPacket; ++x) {
                 const size_t i = image.index(x, y);
-                if (!gbuffer.seen(static_cast<int>(i))) {
+                if (!gbuffer.seen(i)) {
                     continue;
                 }
                 pixels[count] = i;
-                receivers[count++] = receiverAt(scene, gbuffer.primitive.pixels[i],
-                                                gbuffer.position.pixels[i], image.view.origin);
+                points[count++] = gbuffer.sideAt(scene, i);
             }
             for (const PunctualLight& light : scene.lights) {
-                const uint32_t lit = rays.reached(light, {receivers, count});
+                const uint32_t lit = reached(tracer, light, {points, count});
                 for (size_t k = 0; k < count; ++k) {
                     if ((lit >> k & 1u) == 0) {
                         continue;
@@ -40,9 +40,8 @@ Image<vec3> traceDirect(const RayCaster& rays, const GBuffer& gbuffer) {
                                                      .alpha = shared::alphaFromRoughness(roughness),
                                                      .f0 = gbuffer.f0.pixels[i],
                                                      .f90 = gbuffer.f90.pixels[i]}};
-                    direct.pixels[i] +=
-                        scattered(surface, receivers[k].toward_viewer,
-                                  shared::sampleLight(light, receivers[k].position));
+                    direct.pixels[i] += scattered(surface, points[k].toward_viewer,
+                                                  shared::sampleLight(light, points[k].position));
                 }
             }
         }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "rays/ray_caster.h"
+#include "rays/tracer.h"
 
 namespace sheen {
 
@@ -15,7 +15,7 @@ class LightCells {
   public:
     /// `near`: boxes around what is near whoever sees the scene; what lies in one gets cells as
     /// small as if the box were the scene.
-    explicit LightCells(const RayCaster& rays, const std::vector<Bounds>& near = {});
+    explicit LightCells(const Tracer& tracer, const std::vector<Bounds>& near = {});
 
     struct Cell {
         /// Emission, and on a Lambertian surface the light of what reaches all of the cell.
@@ -40,7 +40,7 @@ class LightCells {
         float area = 0.0f;   // of a cell; 0 where no light is on this side: one cell, for all rays
     };
     struct LitTriangle;
-    static LitTriangle light(const RayCaster& rays, uint32_t index, uint32_t n);
+    static LitTriangle light(const Tracer& tracer, uint32_t index, uint32_t n);
 
     std::vector<Side> sides_;  // front and back of each triangle
     std::vector<Cell> cells_;
