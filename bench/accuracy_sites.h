@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cache/gather.h"
+#include "gather/integrate.h"
 #include "hemisphere/hemisphere.h"
 #include "rays/ray_caster.h"
 #include "record/record.h"

@@ -55,24 +55,27 @@ Scene tessellated(const Scene& scene, int n) {
 }
 
 // The same of every site: uniform light, which no neighbour disagrees with.
-std::vector<GatheredRecord> makeUp(std::span<const RecordSite> sites) {
-    std::vector<GatheredRecord> results(sites.size());
-    for (size_t i = 0; i < sites.size(); ++i) {
-        GatheredRecord& g = results[i];
-        g.record.position = sites[i].position;
-        g.record.normal = sites[i].normal;
-        g.record.tangent = tangentFrame(sites[i].normal)[0];
-        g.record.order = sites[i].order;
-        g.record.irradiance = vec3(1.0f);
-        g.record.radius = 1.0f;
-        if (sites[i].order > 0) {
-            const ShLayout layout = shLayout(sites[i].order);
-            g.sh.assign(static_cast<size_t>(layout.size()), 0.0f);
-            std::fill_n(g.sh.begin(), 3 * layout.coefficients(), 0.5f);
+class MadeUpGatherer : public Gatherer {
+  public:
+    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override {
+        std::vector<GatheredRecord> results(sites.size());
+        for (size_t i = 0; i < sites.size(); ++i) {
+            GatheredRecord& g = results[i];
+            g.record.position = sites[i].position;
+            g.record.normal = sites[i].normal;
+            g.record.tangent = tangentFrame(sites[i].normal)[0];
+            g.record.order = sites[i].order;
+            g.record.irradiance = vec3(1.0f);
+            g.record.radius = 1.0f;
+            if (sites[i].order > 0) {
+                const ShLayout layout = shLayout(sites[i].order);
+                g.sh.assign(static_cast<size_t>(layout.size()), 0.0f);
+                std::fill_n(g.sh.begin(), 3 * layout.coefficients(), 0.5f);
+            }
         }
+        return results;
     }
-    return results;
-}
+};
 
 Receivers receiversOfOrder(const View512& view, int order) {
     Receivers receivers = receiversOf(view.scene, view.gbuffer, 0, true);
@@ -170,7 +173,8 @@ MadeUpRecords::MadeUpRecords(const View512& view_, int order, int count)
 }
 
 Placement MadeUpRecords::place(RecordField& field) const {
-    return placeRecords(view.scene, receivers, params, makeUp, true, field);
+    MadeUpGatherer gatherer;
+    return placeRecords(view.scene, receivers, params, gatherer, field, true);
 }
 
 }  // namespace sheen::bench

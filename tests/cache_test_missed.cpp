@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "cache/gather.h"
 #include "cache/ray_filter.h"
+#include "gather/integrate.h"
 #include "scene/shared.h"
 #include "test_placement.h"
 

@@ -396,11 +396,11 @@ TEST(Placement, AFinerPassAddsToTheField) {
 
 TEST(Placement, RefusesAGatherThatLosesSites) {
     const Stage stage = makeStage(0, 0);
-    const GatherFunction none = [](std::span<const RecordSite>) {
-        return std::vector<GatheredRecord>();
-    };
+    struct None : Gatherer {
+        std::vector<GatheredRecord> gather(std::span<const RecordSite>) override { return {}; }
+    } none;
     RecordField field;
-    EXPECT_THROW(placeRecords(stage.scene, stage.receivers, {}, none, true, field),
+    EXPECT_THROW(placeRecords(stage.scene, stage.receivers, {}, none, field, true),
                  std::logic_error);
 }
 

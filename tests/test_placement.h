@@ -5,7 +5,6 @@
 
 #include <cstring>
 
-#include "cache/pixel_light.h"
 #include "cache/placement.h"
 #include "image/frame.h"
 #include "receivers/receivers.h"
@@ -62,8 +61,11 @@ inline Stage makeStage(int order_left, int order_right, float scale = 1.0f) {
 /// A gather that says the same of every site but its place: `change` alters it.
 using Change = std::function<void(const RecordSite&, GatheredRecord&)>;
 
-inline GatherFunction makeGather(const Change& change) {
-    return [change](std::span<const RecordSite> sites) {
+class MadeUpGatherer : public Gatherer {
+  public:
+    explicit MadeUpGatherer(const Change& change) : change_(change) {}
+
+    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override {
         std::vector<GatheredRecord> results;
         for (const RecordSite& site : sites) {
             GatheredRecord g;
@@ -76,12 +78,15 @@ inline GatherFunction makeGather(const Change& change) {
             if (site.order > 0) {
                 g.sh.assign(static_cast<size_t>(shLayout(site.order).size()), 0.5f);
             }
-            change(site, g);
+            change_(site, g);
             results.push_back(std::move(g));
         }
         return results;
-    };
-}
+    }
+
+  private:
+    const Change change_;
+};
 
 inline const Change kNoChange = [](const RecordSite&, GatheredRecord&) {};
 
@@ -90,8 +95,9 @@ inline Placement place(const Stage& stage, const PlacementParams& params,
     RecordField own;
     Receivers receivers = stage.receivers;
     receivers.lobes = buildLobes(receivers);
-    return placeRecords(stage.scene, receivers, params, makeGather(change), true,
-                        field != nullptr ? *field : own);
+    MadeUpGatherer gatherer(change);
+    return placeRecords(stage.scene, receivers, params, gatherer, field != nullptr ? *field : own,
+                        true);
 }
 
 /// What the pixels' weights sum to as records serve, against the limit that placement keeps in

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cache/pixel_light.h"
+#include "receivers/predicted.h"
 #include "receivers/served.h"
 
 namespace sheen {

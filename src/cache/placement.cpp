@@ -6,11 +6,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "cache/pixel_light.h"
 #include "cache/record_tree.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "core/timer.h"
 #include "receivers/creases.h"
+#include "receivers/predicted.h"
 #include "receivers/served.h"
 
 namespace sheen {
@@ -48,13 +49,14 @@ float largestChange(const Record& r) {
 class Placer {
   public:
     Placer(const Scene& scene, const Receivers& receivers, const PlacementParams& params,
-           const GatherFunction& gather, RecordField& field)
+           Gatherer& gatherer, RecordField& field, double seconds)
         : scene_(scene),
           receivers_(receivers),
           params_(params),
           weight_(params.weight()),
-          gather_(gather),
+          gatherer_(gatherer),
           field_(field),
+          seconds_(seconds),
           creases_(findCreases(receivers)),
           sums_(receivers.positions.size()),
           unserved_(receivers.positions.size()),
@@ -129,8 +131,10 @@ class Placer {
     const Receivers& receivers_;
     const PlacementParams& params_;
     const WeightParams weight_;
-    const GatherFunction& gather_;
+    Gatherer& gatherer_;
     RecordField& field_;
+    const double seconds_;
+    const Timer timer_;
     const std::vector<uint8_t> creases_;
     std::vector<uint32_t> sums_;
     std::vector<uint8_t> unserved_;  // pixels that not even a record of their own serves
@@ -219,7 +223,10 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
     for (const Choice& choice : choices) {
         sites.push_back(siteOf(choice, first));
     }
-    std::vector<GatheredRecord> gathered = gather_(sites);
+    if (timer_.seconds() > seconds_) {
+        throw OutOfTime{};
+    }
+    std::vector<GatheredRecord> gathered = gatherer_.gather(sites);
     SHEEN_CHECK_EQ(gathered.size(), sites.size());
     for (size_t i = 0; i < choices.size(); ++i) {
         field_.records.push_back(std::move(gathered[i]));
@@ -487,15 +494,15 @@ void Placer::handOver(size_t placed, RecordCache& cache) const {
 }  // namespace
 
 Placement placeRecords(const Scene& scene, const Receivers& receivers,
-                       const PlacementParams& params, const GatherFunction& gather, bool quiet,
-                       RecordField& field) {
+                       const PlacementParams& params, Gatherer& gatherer, RecordField& field,
+                       bool quiet, double seconds) {
     SHEEN_CHECK(params.accuracy > 0.0f && params.batch >= 1 && params.coarsest_stride >= 1);
     SHEEN_CHECK(params.overlap >= 1.0f);
     // Its own pixel, closer than half of which all is the same, is served.
     SHEEN_CHECK(params.min_pixels > 0.5f * (1.0f + shared::MIN_WEIGHT_SUM));
     SHEEN_CHECK(params.max_pixels >= params.min_pixels);
     SHEEN_CHECK_EQ(field.records.size(), field.pixels.size());
-    return Placer(scene, receivers, params, gather, field).run(quiet);
+    return Placer(scene, receivers, params, gatherer, field, seconds).run(quiet);
 }
 
 }  // namespace sheen

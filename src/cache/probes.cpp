@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "cache/pixel_light.h"
 #include "core/parallel.h"
 #include "rays/jitter.h"
 
@@ -184,8 +183,8 @@ std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const Receive
 }
 
 void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordField& field,
-                  const GatherFunction& gather, const OutgoingLight& outgoing,
-                  const SpecularParams& params, std::span<Probe> probes) {
+                  Gatherer& gatherer, const OutgoingLight& outgoing, const SpecularParams& params,
+                  std::span<Probe> probes) {
     std::vector<RecordSite> sites(probes.size());
     parallelFor(static_cast<int>(probes.size()), [&](int k) {
         RecordSite& site = sites[static_cast<size_t>(k)];
@@ -197,7 +196,7 @@ void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordFi
         for (RecordSite& site : sites) {
             site.seed = pcgHash(site.seed);  // other rays than any record's
         }
-        const std::vector<GatheredRecord> gathered = gather(sites);
+        const std::vector<GatheredRecord> gathered = gatherer.gather(sites);
         parallelFor(static_cast<int>(probes.size()), [&](int k) {
             Probe& probe = probes[static_cast<size_t>(k)];
             const GatheredRecord& g = gathered[static_cast<size_t>(k)];

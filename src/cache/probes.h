@@ -25,11 +25,11 @@ struct Probe {
 std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const Receivers& receivers,
                                 const Image<vec3>& indirect, int count);
 
-/// Gathers their light, `gather` being asked twice, for sites of other seeds. The closest of the
+/// Gathers their light, `gatherer` being asked twice, for sites of other seeds. The closest of the
 /// field's records tell where to look closer.
 void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordField& field,
-                  const GatherFunction& gather, const OutgoingLight& outgoing,
-                  const SpecularParams& params, std::span<Probe> probes);
+                  Gatherer& gatherer, const OutgoingLight& outgoing, const SpecularParams& params,
+                  std::span<Probe> probes);
 
 /// The error of an image as a share of its mean, rel_rmse of docs/metrics.md.
 struct ErrorEstimate {

@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <span>
+#include <stdexcept>
 
 #include "baselines/denoise.h"
 #include "baselines/irradiance_cache.h"
 #include "cache/estimate.h"
 #include "cache/placement.h"
 #include "cache/probes.h"
-#include "cache/raster_gather.h"
-#include "cache/ray_gather.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gather/raster_gather.h"
+#include "gather/ray_gather.h"
 #include "gl/objects.h"
 #include "receivers/classes.h"
 #include "render/session.h"
@@ -100,25 +99,15 @@ void dropTargets() {
     gl::glFinish();
 }
 
-// A gatherer of either kind, for as long as a pass lasts.
-class PassGatherer {
-  public:
-    PassGatherer(SceneState& state, const HemisphereParams& hemisphere) {
-        if (state.road == GatherRoad::kRays) {
-            rays_.emplace(*state.outgoing, hemisphere);
-        } else {
-            raster_.emplace(state.pool, state.gpu, hemisphere);
-        }
+std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const HemisphereParams& hemisphere) {
+    switch (state.road) {
+        case GatherRoad::kRays:
+            return std::make_unique<RayGatherer>(*state.outgoing, hemisphere);
+        case GatherRoad::kRaster:
+            return std::make_unique<RasterGatherer>(state.pool, state.gpu, hemisphere);
     }
-    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) {
-        return rays_ ? rays_->gather(sites) : raster_->gather(sites);
-    }
-    GatherSeconds seconds() const { return rays_ ? rays_->seconds() : raster_->seconds(); }
-
-  private:
-    std::optional<RayGatherer> rays_;
-    std::optional<RasterGatherer> raster_;
-};
+    throw std::logic_error("unknown road");
+}
 
 // How wrong the image is: by the records, and by probes, which cast rays whatever road the records
 // took. Probes cost a twentieth of the records, up to what is enough.
@@ -139,10 +128,8 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
     RayGatherer gatherer(*state.outgoing, seen);
-    gatherProbes(
-        state.scene, view.receivers, view.field,
-        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, *state.outgoing,
-        params.specular, probes);
+    gatherProbes(state.scene, view.receivers, view.field, gatherer, *state.outgoing,
+                 params.specular, probes);
     return estimateError(errors, probes, view.receivers, indirect);
 }
 
@@ -152,13 +139,34 @@ float leastReach(float accuracy) {
     return std::max(PlacementParams{}.min_pixels, std::sqrt(accuracy));
 }
 
-struct OutOfTime {};
-
 // What decides what a pass renders: its accuracy, and when it is given up.
 struct Pass {
     float accuracy = 0;
     double seconds = kInfinity;  // for gathering; OutOfTime is thrown where that is not enough
 };
+
+// Places records, and adds what that took to the stages' seconds, also where it takes too long.
+Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& how,
+                     const HemisphereParams& hemisphere, bool quiet, double at_most,
+                     StageSeconds& seconds) {
+    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, hemisphere);
+    const Timer timer;
+    const auto account = [&] {
+        const GatherSeconds gathered = gatherer->seconds();
+        seconds.gather += gathered.see;
+        seconds.project += gathered.project;
+        seconds.placement += timer.seconds() - gathered.see - gathered.project;
+    };
+    try {
+        Placement placement =
+            placeRecords(state.scene, view.receivers, how, *gatherer, view.field, quiet, at_most);
+        account();
+        return placement;
+    } catch (const OutOfTime&) {
+        account();
+        throw;
+    }
+}
 
 // placement, which gathers and projects -> splat -> compose. A pass that is given up has changed
 // nothing of `result` but times.
@@ -185,24 +193,8 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
         view.field = {};
         view.gather_size = hemisphere.size;
     }
-    PassGatherer gatherer(state, hemisphere);
-    const Timer timer;
-    const auto account = [&] {
-        const GatherSeconds gathered = gatherer.seconds();
-        seconds.gather += gathered.see;
-        seconds.project += gathered.project;
-        seconds.placement += timer.seconds() - gathered.see - gathered.project;
-    };
-    const auto gather = [&](std::span<const RecordSite> sites) {
-        if (timer.seconds() > pass.seconds) {
-            account();
-            throw OutOfTime{};
-        }
-        return gatherer.gather(sites);
-    };
     const Placement placement =
-        placeRecords(state.scene, view.receivers, how, gather, params.quiet, view.field);
-    account();
+        placeTimed(state, view, how, hemisphere, params.quiet, pass.seconds, seconds);
 
     const Timer splat_timer;
     SplatBuffer splat = splatGpu(state.pool, view.receivers, placement.cache, how.servingWeight());

@@ -1,13 +1,10 @@
-// What a receiver asks of records, and what it would send to the viewer by one of them.
+// What a receiver would send to the viewer by one record.
 #pragma once
 
 #include "receivers/receivers.h"
 #include "record/record.h"
 
 namespace sheen {
-
-/// Where a receiver's light is to be gathered; of the records around it nothing is known yet.
-RecordSite siteAt(const Scene& scene, const Receivers& receivers, size_t i);
 
 /// Luminance that a receiver sends to the viewer by what a record predicts there, by its lobe and
 /// reflectance; of the diffuse class the irradiance, since the reflectance cancels in comparisons.

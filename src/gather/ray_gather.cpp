@@ -1,4 +1,4 @@
-#include "cache/ray_gather.h"
+#include "gather/ray_gather.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +88,7 @@ struct TexelRays {
                            vec3* planes = nullptr) const {
         std::vector<vec4> seen(directions.size());
         light.cast({.origin = eye, .directions = directions, .solid_angles = solid_angles},
-                  seen.data(), planes);
+                   seen.data(), planes);
         return seen;
     }
 };
