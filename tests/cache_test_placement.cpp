@@ -18,7 +18,7 @@ TEST(Placement, CoversEveryPixelForAnyBatchAndStride) {
             expectCovered(stage, params, placement);
             EXPECT_GT(placement.cache.records.size(), 0u);
             EXPECT_LT(placement.cache.records.size(),
-                      static_cast<size_t>(stage.classes.geometry / 4));
+                      static_cast<size_t>(stage.receivers.counts.seen / 4));
         }
     }
 }
