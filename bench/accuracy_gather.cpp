@@ -60,6 +60,7 @@ YardstickRecords gatherByYardstick(const RayScene& rays, std::span<const RecordS
     YardstickRecords found;
     found.irradiance.resize(sites.size());
     std::vector<Counters> counters(sites.size());
+    const Lights lights(rays.scene());
     parallelFor(static_cast<int>(sites.size()), [&](int index) {
         const auto i = static_cast<size_t>(index);
         Surface p;
@@ -68,7 +69,8 @@ YardstickRecords gatherByYardstick(const RayScene& rays, std::span<const RecordS
         p.n = sites[i].normal;
         p.offset = sites[i].offset;
         found.irradiance[i] =
-            gatherRecord(rays, p, strata, static_cast<uint32_t>(index), counters[i]).irradiance;
+            gatherRecord(rays, lights, p, strata, static_cast<uint32_t>(index), counters[i])
+                .irradiance;
     });
     for (const Counters& c : counters) {
         found.rays += c.rays;

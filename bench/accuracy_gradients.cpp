@@ -207,7 +207,7 @@ class SiteJudge {
     SeenTexels trace(const Hemisphere& h, const vec2& move, int side, bool random,
                      uint32_t salt) const {
         const vec3 eye = site_.eye() + frame_[0] * move.x + frame_[1] * move.y;
-        return traceTexels(scene_.rays, h, frame_, eye,
+        return traceTexels(scene_.light, h, frame_, eye,
                            {.side = side,
                             .random = random,
                             .seed = hashCombine(seed_, salt),
@@ -216,7 +216,7 @@ class SiteJudge {
     float freeWay(const vec2& way) const {
         const vec3 direction[] = {frame_[0] * way.x + frame_[1] * way.y};
         vec4 seen;
-        scene_.rays.cast({.origin = site_.eye(), .directions = direction}, &seen);
+        scene_.light.cast({.origin = site_.eye(), .directions = direction}, &seen);
         return seen.w > 0.0f ? seen.w : kInfinity;
     }
 

@@ -150,7 +150,7 @@ void traceLayout(const BenchScenes& scenes, int sites, const Layout& layout,
         how.seed = static_cast<uint32_t>(index);
         how.above = site.geometric_normal;
         const std::vector<vec4> texels =
-            traceTexels(scene.rays, seen_by, tangentFrame(site.normal), site.eye(), how).light;
+            traceTexels(scene.light, seen_by, tangentFrame(site.normal), site.eye(), how).light;
         std::vector<float> light(texels.size());
         std::transform(texels.begin(), texels.end(), light.begin(),
                        [](const vec4& t) { return grey(t); });
@@ -183,8 +183,9 @@ void traceProduct(const BenchScenes& scenes, int sites, int size, std::vector<Ro
     const BrdfRotator rotator(kOrder);
     int64_t rays = 0;
     for (size_t s = 0; s < scenes.size(); ++s) {
-        const LightCells cells(scenes[s]->rays);
-        RayGatherer gatherer(scenes[s]->rays, cells, params);
+        const Tracer& tracer = scenes[s]->tracer;
+        const ScatteredOnce light(tracer, LightCells(tracer));
+        RayGatherer gatherer(light, params);
         std::vector<RecordSite> of_scene(scenes[s]->sites.begin(),
                                          scenes[s]->sites.begin() + sites);
         for (RecordSite& site : of_scene) {

@@ -50,7 +50,7 @@ class SiteImages {
         const vec3 eye = site_.eye();
         const vec3 up[] = {site_.geometric_normal};
         vec4 above;
-        scene_.rays.cast({.origin = eye, .directions = up}, &above);
+        scene_.light.cast({.origin = eye, .directions = up}, &above);
         const float room = above.w > 0.0f ? 0.5f * above.w : kInfinity;
         const vec3 lifted = eye + std::min(kLift * mean_distance_, room) * up[0];
         return {greys(trace(lifted, {.seed = hashCombine(seed_, 2)})),
@@ -63,7 +63,7 @@ class SiteImages {
     std::vector<vec4> trace(const vec3& eye, TexelRays how) const {
         how.side = kRaysPerSide;
         how.random = true;
-        return traceTexels(scene_.rays, sphere_.upper(), frame_, eye, how).light;
+        return traceTexels(scene_.light, sphere_.upper(), frame_, eye, how).light;
     }
 
     const Sphere& sphere_;

@@ -46,7 +46,7 @@ void appendSites(const RayScene& rays, const Camera& camera, uint32_t seed, int 
 }  // namespace
 
 BenchScene::BenchScene(const std::string& scene_name, Scene made, int site_count)
-    : name(scene_name), scene(std::move(made)), rays(scene) {
+    : name(scene_name), scene(std::move(made)), tracer(scene), light(tracer) {
     const RayScene ray_scene(scene);
     const auto cameras = static_cast<int>(scene.cameras.size());
     for (int c = 0; c < cameras; ++c) {
@@ -95,7 +95,7 @@ std::string percent(double share) {
                                 : fmt::format("{:.0f}%", p);
 }
 
-SeenTexels traceTexels(const RayCaster& rays, const Hemisphere& hemisphere, const mat3& frame,
+SeenTexels traceTexels(const OutgoingLight& light, const Hemisphere& hemisphere, const mat3& frame,
                        const vec3& eye, const TexelRays& how) {
     SeenTexels result;
     std::vector<vec4>& texels = result.light;
@@ -135,8 +135,7 @@ SeenTexels traceTexels(const RayCaster& rays, const Hemisphere& hemisphere, cons
             }
             seen.resize(directions.size());
             planes.resize(directions.size());
-            rays.cast({.origin = eye, .directions = directions}, seen.data(), nullptr,
-                      planes.data());
+            light.cast({.origin = eye, .directions = directions}, seen.data(), planes.data());
             for (size_t i = of.size(); i-- > 0;) {  // of a texel's planes the first stays
                 result.planes[of[i]] = planes[i] * turn;
                 texels[of[i]] += vec4(vec3(seen[i]), 0.0f) / static_cast<float>(parts);

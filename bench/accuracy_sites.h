@@ -9,7 +9,7 @@
 
 #include "gather/integrate.h"
 #include "hemisphere/hemisphere.h"
-#include "rays/ray_caster.h"
+#include "light/scattered_once.h"
 #include "record/record.h"
 #include "scene/scene.h"
 
@@ -22,7 +22,8 @@ struct BenchScene {
 
     std::string name;
     Scene scene;
-    RayCaster rays;
+    Tracer tracer;
+    ScatteredOnce light;  ///< every hit lit by itself
     /// Visible points: Owen-scrambled Sobol points over the square images of the scene's cameras,
     /// as many of each camera.
     std::vector<RecordSite> sites;
@@ -62,7 +63,7 @@ struct TexelRays {
 };
 /// What a hemisphere's texels see, turned to world space by `frame`: mean radiance, harmonic mean
 /// distance, the plane that the first ray meets.
-SeenTexels traceTexels(const RayCaster& rays, const Hemisphere& hemisphere, const mat3& frame,
+SeenTexels traceTexels(const OutgoingLight& light, const Hemisphere& hemisphere, const mat3& frame,
                        const vec3& eye, const TexelRays& how);
 
 /// Mean of the channels: what the studies judge.

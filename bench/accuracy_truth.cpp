@@ -28,7 +28,7 @@ float seenFrom(const BenchScene& scene, const RecordSite& site, const mat3& fram
         }
     }
     std::vector<vec4> seen(directions.size());
-    scene.rays.cast({.origin = site.eye(), .directions = directions}, seen.data());
+    scene.light.cast({.origin = site.eye(), .directions = directions}, seen.data());
     double sum = 0.0;
     for (size_t i = 0; i < seen.size(); ++i) {
         sum += weight[i] * grey(seen[i]);

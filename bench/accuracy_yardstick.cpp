@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <deque>
 #include <iterator>
 
 #include "accuracy_gather.h"
@@ -54,7 +55,7 @@ struct CostOfError {
 };
 
 std::vector<Way> gatherEveryWay(const BenchScene& scene, int sites) {
-    const LightCells cells(scene.rays);
+    const ScatteredOnce light(scene.tracer, LightCells(scene.tracer));
     const RayScene rays(scene.scene);
     std::vector<Way> ways;
     std::vector<WardStrata> strata;
@@ -62,11 +63,11 @@ std::vector<Way> gatherEveryWay(const BenchScene& scene, int sites) {
         ways.push_back({.name = "Embree", .size = rings});
         strata.emplace_back(rings);
     }
-    std::vector<RayGatherer> gatherers;
+    std::deque<RayGatherer> gatherers;
     std::vector<std::vector<RecordSite>> told;  // of each gatherer
     for (int side : kSides) {
         ways.push_back({.name = "gather", .size = side});
-        gatherers.emplace_back(scene.rays, cells, HemisphereParams{.size = side});
+        gatherers.emplace_back(light, HemisphereParams{.size = side});
         told.emplace_back(scene.sites.begin(), scene.sites.begin() + sites);
         tellContrasts(gatherers.back(), told.back());
     }

@@ -60,7 +60,7 @@ void measureGather(benchmark::State& state, const GatherScene& s, G& gatherer, i
 void gatherByRays(benchmark::State& state, Setup& setup, const SceneChoice& choice, int size) {
     const GatherScene& s = setup.gatherScene(choice);
     const HemisphereParams params = {.size = size};
-    RayGatherer gatherer(s.scene.rays, s.cells, params);
+    RayGatherer gatherer(s.light, params);
     measureGather(state, s, gatherer, makeHemisphere(params).texelCount());
 }
 
@@ -80,7 +80,7 @@ void project(benchmark::State& state, Setup& setup, int order) {
     for (RecordSite& site : sites) {
         site.order = order;
         texels.push_back(
-            traceTexels(s.scene.rays, hemisphere, tangentFrame(site.normal), site.eye(), {}));
+            traceTexels(s.scene.light, hemisphere, tangentFrame(site.normal), site.eye(), {}));
     }
     ProjectionMatrices matrices;
     matrices.prepare(hemisphere, sites);
@@ -121,11 +121,11 @@ void registerBuild(Setup& setup, const SceneChoice& choice) {
     };
     add("embree", [&setup, choice](State& state) {
         const Scene& scene = setup.gatherScene(choice).scene.scene;
-        measureBuild(state, scene, [&] { const RayCaster rays(scene); });
+        measureBuild(state, scene, [&] { const Tracer tracer(scene); });
     });
     add("cells", [&setup, choice](State& state) {
         const BenchScene& s = setup.gatherScene(choice).scene;
-        measureBuild(state, s.scene, [&] { const LightCells cells(s.rays); });
+        measureBuild(state, s.scene, [&] { const LightCells cells(s.tracer); });
     });
     add("levels", [&setup, choice](State& state) {
         const Scene& scene = setup.gatherScene(choice).scene.scene;

@@ -29,7 +29,7 @@ constexpr int kSplatRecords = 4096;
 void startup(State& state, Setup& setup) {
     const Scene scene = setup.load(kCornell);
     for (auto _ : state) {
-        GBuffer g = renderGBuffer(RayCaster(scene), scene.cameras.front(), 512, 512);
+        GBuffer g = renderGBuffer(Tracer(scene), scene.cameras.front(), 512, 512);
         lightGBuffer(setup.pool(), setup.gpuScene(kCornell), g);
         benchmark::DoNotOptimize(g);
     }
@@ -37,9 +37,9 @@ void startup(State& state, Setup& setup) {
 
 void gbuffer(State& state, Setup& setup, const SceneChoice& choice) {
     const Scene scene = setup.load(choice);
-    const RayCaster rays(scene);
+    const Tracer tracer(scene);
     for (auto _ : state) {
-        benchmark::DoNotOptimize(renderGBuffer(rays, scene.cameras.front(), 512, 512));
+        benchmark::DoNotOptimize(renderGBuffer(tracer, scene.cameras.front(), 512, 512));
     }
     state.counters["triangles"] = scene.triangleCount();
     state.counters["pixels_per_s"] =

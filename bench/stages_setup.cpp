@@ -90,7 +90,9 @@ Receivers receiversOfOrder(const View512& view, int order) {
 }  // namespace
 
 GatherScene::GatherScene(const SceneChoice& choice, Scene made)
-    : scene(choice.name, std::move(made), kSites), cells(scene.rays), yardstick(scene.scene) {}
+    : scene(choice.name, std::move(made), kSites),
+      light(scene.tracer, LightCells(scene.tracer)),
+      yardstick(scene.scene) {}
 
 Setup::Setup(std::string folder, int gl_workers)
     : folder_(std::move(folder)), gl_workers_(gl_workers) {}
@@ -140,7 +142,7 @@ const View512& Setup::glossyView() {
         view_ = std::make_unique<View512>();
         view_->scene = load(kGlossyCornell);
         view_->gbuffer =
-            renderGBuffer(RayCaster(view_->scene), view_->scene.cameras.front(), kSide, kSide);
+            renderGBuffer(Tracer(view_->scene), view_->scene.cameras.front(), kSide, kSide);
     }
     return *view_;
 }

@@ -7,8 +7,8 @@
 
 #include "accuracy_sites.h"
 #include "cache/placement.h"
+#include "light/scattered_once.h"
 #include "raster/gpu_scene.h"
-#include "rays/light_cells.h"
 #include "receivers/receivers.h"
 #include "reference/ray_scene.h"
 
@@ -38,7 +38,7 @@ struct GatherScene {
     explicit GatherScene(const SceneChoice& choice, Scene made);
 
     BenchScene scene;
-    LightCells cells;
+    ScatteredOnce light;  ///< by cells
     RayScene yardstick;
 };
 

@@ -7,6 +7,7 @@
 
 #include "gather/raster_gather.h"
 #include "gather/ray_gather.h"
+#include "test_light.h"
 #include "test_scenes.h"
 #include "test_sites.h"
 #include "test_stage.h"
@@ -114,9 +115,8 @@ TEST(RasterGatherer, NothingComesFromBelowTheGeometricSurface) {
                 EXPECT_EQ(c, 0.0f);
             }
         }
-        const RayCaster rays(scene);
-        const LightCells cells(rays);
-        EXPECT_EQ(RayGatherer(rays, cells, kHemicube).gather({&site, 1})[0].record.irradiance,
+        const LitByCells lit(scene);
+        EXPECT_EQ(RayGatherer(lit.light, kHemicube).gather({&site, 1})[0].record.irradiance,
                   vec3(0.0f));
     }
 }
@@ -131,10 +131,9 @@ TEST(RasterGatherer, SeesWhatRaysSee) {
     for (RecordSite& site : sites) {
         site.order = shared::DIFFUSE_ORDER;
     }
-    const RayCaster rays(scene);
-    const LightCells cells(rays);
+    const LitByCells lit(scene);
     const HemisphereParams fine = {.kind = HemisphereKind::kHemicube, .size = 64};
-    const std::vector<GatheredRecord> truth = RayGatherer(rays, cells, fine).gather(sites);
+    const std::vector<GatheredRecord> truth = RayGatherer(lit.light, fine).gather(sites);
     const std::vector<GatheredRecord> seen = gather(scene, sites, fine);
     double irradiance = 0.0, rotation = 0.0, translation = 0.0;
     for (size_t i = 0; i < sites.size(); ++i) {

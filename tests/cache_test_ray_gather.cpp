@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "gather/ray_gather.h"
+#include "test_light.h"
 #include "test_scenes.h"
 #include "test_sites.h"
 
@@ -46,29 +47,26 @@ void expectSame(const std::vector<GatheredRecord>& a, const std::vector<Gathered
 
 TEST(RayGatherer, TheSameBitsForAnyThreads) {
     const Scene scene = glossyRoom();
-    const RayCaster rays(scene);
+    const LitByCells lit(scene);
     const std::vector<RecordSite> sites = mixedSites(18);
     setThreadCount(1);
-    const std::vector<GatheredRecord> first =
-        RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
+    const std::vector<GatheredRecord> first = RayGatherer(lit.light, kHemicube).gather(sites);
     for (int threads : {1, 2, 3, 7}) {
         setThreadCount(threads);
-        expectSame(RayGatherer(rays, LightCells(rays), kHemicube).gather(sites), first);
+        expectSame(RayGatherer(lit.light, kHemicube).gather(sites), first);
         // Embree's tree is built anew.
-        const RayCaster other_rays(scene);
-        expectSame(RayGatherer(other_rays, LightCells(other_rays), kHemicube).gather(sites), first);
+        const LitByCells other(scene);
+        expectSame(RayGatherer(other.light, kHemicube).gather(sites), first);
     }
     setThreadCount(0);
 }
 
 TEST(RayGatherer, WhatWasGatheredBeforeDoesNotCount) {
     const Scene scene = glossyRoom();
-    const RayCaster rays(scene);
+    const LitByCells lit(scene);
     std::vector<RecordSite> sites = mixedSites(10);
-    const std::vector<GatheredRecord> together =
-        RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
-    const LightCells cells(rays);
-    RayGatherer gatherer(rays, cells, kHemicube);
+    const std::vector<GatheredRecord> together = RayGatherer(lit.light, kHemicube).gather(sites);
+    RayGatherer gatherer(lit.light, kHemicube);
     EXPECT_TRUE(gatherer.gather({}).empty());
     std::reverse(sites.begin(), sites.end());
     const std::span<const RecordSite> all(sites);
@@ -86,10 +84,9 @@ TEST(RayGatherer, PlacesOfRaysDifferFromSeedToSeed) {
     const uint32_t dark = addMaterial(scene, diffuseParams(vec3(0.5f), vec3(0, 1, 0)));
     const uint32_t lamp = addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1, 1, 0)));
     addBox(scene, vec3(-1), vec3(1), {dark, dark, dark, lamp, dark, dark}, true);
-    const RayCaster rays(scene);
+    const LitByCells lit(scene);
     const std::vector<RecordSite> sites = repeated(8, siteAt(vec3(0.1f, -1, 0.2f), vec3(0, 1, 0)));
-    const std::vector<GatheredRecord> g =
-        RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
+    const std::vector<GatheredRecord> g = RayGatherer(lit.light, kHemicube).gather(sites);
     for (size_t i = 1; i < g.size(); ++i) {
         EXPECT_NE(g[i].record.irradiance.x, g[0].record.irradiance.x) << i;
         EXPECT_NEAR(g[i].record.irradiance.x, g[0].record.irradiance.x,
@@ -155,10 +152,10 @@ constexpr double kTexelBias = 1e-3;
 void expectMean(const Scene& scene, const RecordSite& site, double expected,
                 const std::function<double(const GatheredRecord&)>& value) {
     constexpr int kRecords = 200;
-    const RayCaster rays(scene);
+    const LitByCells lit(scene);
     double sum = 0.0, squares = 0.0;
     for (const GatheredRecord& g :
-         RayGatherer(rays, LightCells(rays), kHemicube).gather(repeated(kRecords, site))) {
+         RayGatherer(lit.light, kHemicube).gather(repeated(kRecords, site))) {
         sum += value(g);
         squares += value(g) * value(g);
     }
@@ -216,11 +213,10 @@ TEST(RayGatherer, UniformLightGivesItsIrradianceAndHarmonics) {
     const vec3 Le(1.0f, 2.0f, 3.0f);
     Scene scene;
     addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(0.5f), Le)), true);
-    const RayCaster rays(scene);
+    const LitByCells lit(scene);
     const std::vector<RecordSite> sites = {siteAt(vec3(0.3f, -1, 0.1f), vec3(0, 1, 0)),
                                            siteAt(vec3(0.3f, -1, 0.1f), vec3(0, 1, 0), 4)};
-    const std::vector<GatheredRecord> g =
-        RayGatherer(rays, LightCells(rays), kHemicube).gather(sites);
+    const std::vector<GatheredRecord> g = RayGatherer(lit.light, kHemicube).gather(sites);
     EXPECT_TRUE(g[0].sh.empty());
     ASSERT_EQ(g[1].sh.size(), static_cast<size_t>(shLayout(4).size()));
     for (int c = 0; c < 3; ++c) {
@@ -240,10 +236,9 @@ TEST(RayGatherer, NothingSeenIsDarkAndInfinitelyFar) {
     Scene scene;
     addQuad(scene, vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2),
             addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1.0f))));
-    const RayCaster rays(scene);
+    const LitByCells lit(scene);
     const RecordSite site = siteAt(vec3(0), vec3(0, 1, 0));
-    const std::vector<GatheredRecord> g =
-        RayGatherer(rays, LightCells(rays), kHemicube).gather({&site, 1});
+    const std::vector<GatheredRecord> g = RayGatherer(lit.light, kHemicube).gather({&site, 1});
     EXPECT_EQ(g[0].record.irradiance, vec3(0.0f));
     EXPECT_EQ(g[0].record.radius, kInfinity);
 }
@@ -265,14 +260,13 @@ Scene roomWithSmallLamp(float half = 0.027f) {
 
 TEST(RayGatherer, LooksCloserWhereRecordsNearbySawLightChange) {
     const Scene scene = roomWithSmallLamp();
-    const RayCaster rays(scene);
-    const LightCells cells(rays);
+    const LitByCells lit(scene);
     constexpr int kRecords = 400;
     for (int order : {shared::DIFFUSE_ORDER, 4}) {
         // A record that met the lamp says where it is.
         std::vector<Contrast> found;
         for (const GatheredRecord& g :
-             RayGatherer(rays, cells, kHemicube)
+             RayGatherer(lit.light, kHemicube)
                  .gather(repeated(100, siteAt(vec3(0.1f, -1, 0), vec3(0, 1, 0), order)))) {
             for (const Contrast& c : g.contrasts) {
                 EXPECT_TRUE(nearLamp(c.position)) << c.position.x << " " << c.position.z;
@@ -292,7 +286,7 @@ TEST(RayGatherer, LooksCloserWhereRecordsNearbySawLightChange) {
                 site.contrasts = contrasts;
             }
             double sum = 0.0, squares = 0.0;
-            for (const GatheredRecord& g : RayGatherer(rays, cells, kHemicube).gather(sites)) {
+            for (const GatheredRecord& g : RayGatherer(lit.light, kHemicube).gather(sites)) {
                 sum += g.record.irradiance.y;
                 squares += g.record.irradiance.y * g.record.irradiance.y;
             }
@@ -308,8 +302,7 @@ TEST(RayGatherer, LooksCloserWhereRecordsNearbySawLightChange) {
 
 TEST(RayGatherer, TheFirstRecordsLookTwice) {
     const Scene scene = roomWithSmallLamp();
-    const RayCaster rays(scene);
-    const LightCells cells(rays);
+    const LitByCells lit(scene);
     constexpr int kRecords = 2000;
     std::vector<RecordSite> sites = repeated(kRecords, siteAt(vec3(0), vec3(0, 1, 0)));
     double means[2], deviations[2];
@@ -318,7 +311,7 @@ TEST(RayGatherer, TheFirstRecordsLookTwice) {
             site.first = first != 0;
         }
         double sum = 0.0, squares = 0.0;
-        for (const GatheredRecord& g : RayGatherer(rays, cells, kHemicube).gather(sites)) {
+        for (const GatheredRecord& g : RayGatherer(lit.light, kHemicube).gather(sites)) {
             sum += g.record.irradiance.y;
             squares += g.record.irradiance.y * g.record.irradiance.y;
         }
@@ -336,10 +329,9 @@ TEST(RayGatherer, LightTooFaintToCompareIsKept) {
     constexpr float kFaint = 1e-37f;
     addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(0.5f), vec3(kFaint))),
            true);
-    const RayCaster rays(scene);
+    const LitByCells lit(scene);
     const RecordSite site = siteAt(vec3(0.1f, -1, 0.2f), vec3(0, 1, 0));
-    const std::vector<GatheredRecord> g =
-        RayGatherer(rays, LightCells(rays), kHemicube).gather({&site, 1});
+    const std::vector<GatheredRecord> g = RayGatherer(lit.light, kHemicube).gather({&site, 1});
     EXPECT_NEAR(g[0].record.irradiance.y, kPi * kFaint, 1e-2f * kPi * kFaint);
     EXPECT_TRUE(g[0].contrasts.empty());
 }
@@ -384,8 +376,7 @@ TEST(SideForReach, GrowsWithTheReachInEvenStepsWithinBounds) {
 
 TEST(RayGatherer, RecordsThatReachFartherTakeMoreRaysAndErrLess) {
     const Scene scene = roomWithLamp(1, 1);
-    const RayCaster rays(scene);
-    const LightCells cells(rays);
+    const LitByCells lit(scene);
     constexpr int kRecords = 400;
     int64_t fewer = 0;
     double greater = kInfinity;
@@ -398,7 +389,7 @@ TEST(RayGatherer, RecordsThatReachFartherTakeMoreRaysAndErrLess) {
             sites.push_back(siteAt(vec3(p.x, kLower.y, p.z), vec3(0, 1, 0)));
             sites.back().reach = reach;
         }
-        RayGatherer gatherer(rays, cells, kHemicube);
+        RayGatherer gatherer(lit.light, kHemicube);
         const std::vector<GatheredRecord> gathered = gatherer.gather(sites);
         double sum = 0.0, squares = 0.0;
         for (size_t i = 0; i < gathered.size(); ++i) {
@@ -423,8 +414,7 @@ TEST(RayGatherer, RecordsThatReachFartherTakeMoreRaysAndErrLess) {
 TEST(RayGatherer, ContrastsOfSmallHemispheresSayWhatThoseOfLargeOnesDo) {
     // A lamp smaller than their texels, which records nearby have told of.
     const Scene scene = roomWithSmallLamp(0.015f);
-    const RayCaster rays(scene);
-    const LightCells cells(rays);
+    const LitByCells lit(scene);
     double strengths[2];
     for (int far = 0; far < 2; ++far) {
         Random random(1);
@@ -436,7 +426,7 @@ TEST(RayGatherer, ContrastsOfSmallHemispheresSayWhatThoseOfLargeOnesDo) {
             sites.back().contrasts = {{vec3(0, 0.999f, 0), 90.0f}};
         }
         double sum = 0.0;
-        for (const GatheredRecord& g : RayGatherer(rays, cells, kHemicube).gather(sites)) {
+        for (const GatheredRecord& g : RayGatherer(lit.light, kHemicube).gather(sites)) {
             float strongest = 0.0f;
             for (const Contrast& c : g.contrasts) {
                 strongest = std::max(strongest, c.strength);
@@ -452,8 +442,7 @@ TEST(RayGatherer, ContrastsTakeRaysAsTheSideOfTheHemisphere) {
     // Nothing here varies of itself.
     Scene scene;
     addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1))), true);
-    const RayCaster rays(scene);
-    const LightCells cells(rays);
+    const LitByCells lit(scene);
     constexpr float kStrength = 12.0f;
     for (float reach : {0.0f, 1.0f, 60.0f}) {
         RecordSite site = siteAt(vec3(0.01f, -1, 0.02f), vec3(0, 1, 0));
@@ -463,7 +452,7 @@ TEST(RayGatherer, ContrastsTakeRaysAsTheSideOfTheHemisphere) {
             if (told != 0) {
                 site.contrasts = {{vec3(0.1f, 1, 0.1f), kStrength}};
             }
-            RayGatherer gatherer(rays, cells, kHemicube);
+            RayGatherer gatherer(lit.light, kHemicube);
             gatherer.gather({&site, 1});
             cast[told] = gatherer.rays();
         }
@@ -495,12 +484,11 @@ TEST(RayGatherer, AMirrorsHighlightIsNeitherMissedNorABlotch) {
             image.direction.y = -light.direction.y;
             const LightSample l = shared::sampleLight(image, vec3(0));
             const double expected = l.irradiance.x * l.wi.y;
-            const RayCaster rays(scene);
+            const LitByCells lit(scene);
             const std::vector<RecordSite> sites =
                 repeated(kRecords, siteAt(vec3(0), vec3(0, 1, 0)));
             double sum = 0.0, least = kInfinity, most = 0.0;
-            for (const GatheredRecord& g :
-                 RayGatherer(rays, LightCells(rays), kHemicube).gather(sites)) {
+            for (const GatheredRecord& g : RayGatherer(lit.light, kHemicube).gather(sites)) {
                 const double e = g.record.irradiance.x;
                 sum += e;
                 least = std::min(least, e);

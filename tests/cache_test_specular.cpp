@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "receivers/classes.h"
 #include "sh/brdf_sh.h"
+#include "test_light.h"
 #include "test_scenes.h"
 #include "test_stage.h"
 
@@ -39,14 +40,14 @@ struct Gathering {
     explicit Gathering(const Scene& gathered)
         : scene(gathered),
           receivers(receiversOf(scene, TestStage(scene, 1).gbuffer(kSize, kSize), 0, false)),
-          rays(scene) {}
+          lit(scene) {}
     Image<vec3> gather() const { return gather(Image<vec3>(kSize, kSize)); }
     Image<vec3> gather(const Image<vec3>& cached) const {
-        return reflectSpecular(receivers, traceSpecular(rays, nullptr, receivers, {}), cached);
+        return reflectSpecular(receivers, traceSpecular(lit.light, receivers, {}), cached);
     }
     // What each pixel reflects by its own rays alone.
     Image<vec3> alone(const SpecularParams& params = {.window = 0}) const {
-        const Image<SpecularSeen> seen = traceSpecular(rays, nullptr, receivers, params);
+        const Image<SpecularSeen> seen = traceSpecular(lit.light, receivers, params);
         Image<vec3> reflected(kSize, kSize);
         for (size_t i = 0; i < kSize * kSize; ++i) {
             const SpecularSeen& s = seen.pixels[i];
@@ -60,7 +61,7 @@ struct Gathering {
 
     Scene scene;
     Receivers receivers;
-    RayCaster rays;
+    LitScene lit;
 };
 
 // Root of the sum of the squared differences.

@@ -33,6 +33,24 @@ TEST_F(CliTest, wrongCommands) {
     expectError("compare a.exr", ExitCode::kUsage, "REFERENCE is required");
 }
 
+TEST_F(CliTest, environmentsThatCannotBe) {
+    const auto expect = [this](const char* option, ExitCode code, const char* part) {
+        expectError(fmt::format("render scene.gltf -o a.exr --environment {}", option), code, part);
+    };
+    expect("no.hdr", ExitCode::kInput, "no.hdr: no such file");
+    expect("no.exr", ExitCode::kInput, "no.exr: no such file");
+    expect("scene.bin", ExitCode::kInput, "scene.bin: not an environment");
+    expect("1,2", ExitCode::kInput, "1,2: not an environment");
+    expect("1,2,1e13", ExitCode::kUsage, "must be 0..1e+12 nits");
+    expect("''", ExitCode::kUsage, "name is empty");
+    expect("1,1,1 --environment-strength -1", ExitCode::kUsage, "-1");
+    expect("1,1,1 --environment-rotation 361", ExitCode::kUsage, "361");
+    for (const char* option :
+         {"--environment-rotation 10", "--environment-strength 2", "--transparent"}) {
+        expectError(fmt::format("render scene.gltf {}", option), ExitCode::kUsage, "--environment");
+    }
+}
+
 TEST_F(CliTest, optionsOutOfRange) {
     for (const char* option : {"--size 0x8",
                                "--size 8",

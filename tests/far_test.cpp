@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "metrics/compare.h"
 #include "raster/gbuffer.h"
-#include "rays/ray_caster.h"
+#include "rays/tracer.h"
 #include "render/render.h"
 #include "scenes/shapes.h"
 #include "test_folder.h"
@@ -205,8 +205,8 @@ TEST(FarScene, TheChosenCamerasPlaceDecides) {
 
 std::vector<Bounds> boxesOf(const Place& place) {
     const Scene scene = load(place);
-    const RayCaster rays(scene);
-    return nearBoxes(scene, renderGBuffer(rays, scene.cameras[0], kWidth, kHeight));
+    const Tracer tracer(scene);
+    return nearBoxes(scene, renderGBuffer(tracer, scene.cameras[0], kWidth, kHeight));
 }
 
 TEST(NearBoxes, NoneWhereARoomIsTheScene) {

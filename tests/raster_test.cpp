@@ -138,7 +138,7 @@ TEST(GBuffer, SeesTheTrianglesThatRaysMeet) {
     constexpr int kSide = 128;
     for (const char* name : {"atrium", "ledges", "venus_glossy", "cornell_glossy"}) {
         const Scene scene = loadScene(fmt::format("{}/{}.glb", SHEEN_SCENES, name));
-        const RayCaster rays(scene);
+        const Tracer rays(scene);
         const RayScene reference(scene);
         for (const Camera& camera : scene.cameras) {
             const GBuffer g = renderGBuffer(rays, camera, kSide, kSide);

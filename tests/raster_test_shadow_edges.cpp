@@ -93,7 +93,7 @@ GBuffer directLight(const Scene& scene) {
     GpuScene gpu;
     pool.runOnFirst([&] { gpu = uploadScene(scene); });
     renderShadowMaps(pool, scene, gpu);
-    GBuffer g = renderGBuffer(RayCaster(scene), scene.cameras.front(), kSize, kSize);
+    GBuffer g = renderGBuffer(Tracer(scene), scene.cameras.front(), kSize, kSize);
     lightGBuffer(pool, gpu, g);
     pool.runOnFirst([&] { gpu = {}; });
     return g;

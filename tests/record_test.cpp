@@ -1,7 +1,8 @@
 // Weights, extrapolation and tangent frames of records.
+#include "record/record.h"
+
 #include <gtest/gtest.h>
 
-#include "record/record.h"
 #include "test_scenes.h"
 
 namespace sheen {

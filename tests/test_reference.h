@@ -1,10 +1,35 @@
 // References of small scenes.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
 #include "reference/reference.h"
 #include "test_scenes.h"
 
 namespace sheen {
+
+/// All channels of all pixels lie within `sigmas` standard errors, plus a share `bias` of the value
+/// that the comparison itself cannot resolve.
+inline void expectWithin(const Image<vec3>& values, const Image<vec3>& variance,
+                         const std::function<vec3(int)>& expected, double sigmas, double bias) {
+    ASSERT_EQ(values.count(), variance.count());
+    for (int i = 0; i < values.count(); ++i) {
+        const vec3 truth = expected(i);
+        for (int c = 0; c < 3; ++c) {
+            const auto pixel = static_cast<size_t>(i);
+            const double error = std::abs(values.pixels[pixel][c] - truth[c]);
+            EXPECT_LE(error, sigmas * std::sqrt(variance.pixels[pixel][c]) + bias * truth[c])
+                << "pixel " << i << " channel " << c << " expected " << truth[c];
+        }
+    }
+}
+
+/// 64 pixels x 3 channels from 16 replicates each (Student's t with 15 degrees of freedom): 7
+/// standard errors are exceeded by chance once in a thousand runs of such a test.
+constexpr double kSigmas = 7.0;
 
 /// A lit room with a glossy box in it whose faces look inward.
 inline Scene litRoom() {

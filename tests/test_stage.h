@@ -17,7 +17,7 @@ class TestStage {
         pool.runOnFirst([&] { gpu = {}; });
     }
     GBuffer gbuffer(const Camera& camera, int width, int height) {
-        GBuffer g = renderGBuffer(RayCaster(scene_), camera, width, height);
+        GBuffer g = renderGBuffer(Tracer(scene_), camera, width, height);
         lightGBuffer(pool, gpu, g);
         return g;
     }

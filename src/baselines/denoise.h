@@ -27,8 +27,9 @@ Image<vec3> filterAtrous(const Image<vec3>& color, const Image<vec3>& variance,
                          const AtrousParams& params = {});
 
 /// Filters the indirect light of a path-traced frame, diffuse and specular part on their own.
-/// Direct light and emission, which have no noise, stay; the variances, which do not know of what
-/// the filter blurred, are taken out of the frame.
+/// Emission stays, and so does direct light: the noise of lamps is so low there that the filter's
+/// blur of shadows would be worse. The variances, which do not know of what the filter blurred, are
+/// taken out of the frame.
 void denoise(ReferenceResult& traced);
 
 }  // namespace sheen

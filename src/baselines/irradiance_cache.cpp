@@ -45,6 +45,7 @@ int ringsFor(float accuracy) {
 
 struct Pass {
     const RayScene& rays;
+    const Lights& lights;
     const IrradianceCacheParams& params;
     Frame& frame;
     Image<Surface> surfaces;
@@ -104,8 +105,8 @@ void placeBatch(Pass& pass, std::span<const int> batch) {
         const int pixel = batch[static_cast<size_t>(i)];
         Counters counters;
         records[static_cast<size_t>(i)] =
-            gatherRecord(pass.rays, pass.surfaces.pixels[static_cast<size_t>(pixel)], pass.strata,
-                         hash32(static_cast<uint32_t>(pixel)), counters);
+            gatherRecord(pass.rays, pass.lights, pass.surfaces.pixels[static_cast<size_t>(pixel)],
+                         pass.strata, hash32(static_cast<uint32_t>(pixel)), counters);
         sum.add(counters);
     });
     sum.addTo(pass.counters);
@@ -172,6 +173,27 @@ void fillCache(Pass& pass) {
     }
 }
 
+// Of a pixel, by as many samples as leave little to see.
+vec3 directFromLamps(const RayScene& rays, const Lights& lights, const Surface& p, int pixel,
+                     Counters& counters) {
+    constexpr uint32_t kSamples = 64;
+    if (lights.lamps.empty()) {
+        return vec3(0.0f);
+    }
+    const BrdfSampler sampler(p.brdf, p.specular_albedo, p.n, p.wo);
+    vec3 sum(0.0f);
+    for (uint32_t i = 0; i < kSamples; ++i) {
+        const vec3 sample = sampleLamps(rays, lights, p, sampler, i,
+                                        hash32(static_cast<uint32_t>(pixel)), counters);
+        if (finite(sample)) {
+            sum += sample;
+        } else {
+            ++counters.nonfinite;
+        }
+    }
+    return sum / static_cast<float>(kSamples);
+}
+
 int interpolateAll(const Pass& pass) {
     std::atomic<int> uncovered{0};
     Frame& frame = pass.frame;
@@ -203,6 +225,7 @@ IrradianceCacheResult renderIrradianceCache(const Scene& scene,
     IrradianceCacheResult result;
     const Timer see_timer;
     const RayScene rays(scene);
+    const Lights lights(scene);
     Frame& frame = result.frame;
     frame = emptyFrame(params.width, params.height);
     frame.weight = Image<float>(params.width, params.height);
@@ -214,6 +237,8 @@ IrradianceCacheResult renderIrradianceCache(const Scene& scene,
         for (int x = 0; x < params.width; ++x) {
             if (const auto p = seePixel(rays, params.camera, x, y, frame, counters)) {
                 surfaces.at(x, y) = *p;
+                frame.direct.at(x, y) +=
+                    directFromLamps(rays, lights, *p, y * params.width + x, counters);
             }
         }
         seen.add(counters);
@@ -222,6 +247,7 @@ IrradianceCacheResult renderIrradianceCache(const Scene& scene,
 
     const Timer place_timer;
     Pass pass{.rays = rays,
+              .lights = lights,
               .params = params,
               .frame = frame,
               .surfaces = std::move(surfaces),

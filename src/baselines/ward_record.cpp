@@ -117,9 +117,27 @@ WardRecord integrateCells(const WardStrata& strata, std::span<const WardCell> ce
 
 namespace {
 
+// One estimate of what lamps and sky send from a surface.
+vec3 lampsAndSky(const RayScene& rays, const Lights& lights, const Surface& s, uint32_t seed,
+                 Counters& counters) {
+    if (lights.empty()) {
+        return vec3(0.0f);
+    }
+    const BrdfSampler sampler(s.brdf, s.specular_albedo, s.n, s.wo);
+    vec3 radiance(0.0f);
+    if (!lights.lamps.empty()) {
+        radiance += sampleLamps(rays, lights, s, sampler, 0, seed, counters);
+    }
+    if (!lights.sky.empty()) {
+        radiance += sampleSky(rays, lights, s, sampler, 1, seed, counters);
+    }
+    return radiance;
+}
+
 // What neighbouring rays of one hemisphere meet, and how it is lit; [k] of both.
-void seeCells(const RayScene& rays, const Surface& p, std::span<const vec3> directions,
-              std::span<WardCell*> cells, Counters& counters) {
+void seeCells(const RayScene& rays, const Lights& lights, const Surface& p,
+              std::span<const vec3> directions, std::span<WardCell*> cells, uint32_t seed,
+              Counters& counters) {
     constexpr auto kPacket = static_cast<size_t>(RayScene::kPacket);
     std::array<RayHit, kPacket> hits;
     rays.intersect(p.rayOrigin(), directions, hits.data());
@@ -132,12 +150,16 @@ void seeCells(const RayScene& rays, const Surface& p, std::span<const vec3> dire
             met[count] = rays.surfaceAt(hits[k], -directions[k]);
             met_by[count] = cells[k];
             ++count;
+        } else {
+            cells[k]->radiance = rays.scene().environment.radiance(directions[k]);
         }
     }
     std::array<vec3, kPacket> lit;
     directRadiance(rays, {met.data(), count}, lit.data(), counters);
     for (size_t k = 0; k < count; ++k) {
-        const vec3 radiance = met[k].emission + lit[k];
+        const vec3 radiance =
+            lit[k] + lampsAndSky(rays, lights, met[k], hashCombine(seed, static_cast<uint32_t>(k)),
+                                 counters);
         met_by[k]->distance = glm::length(met[k].position - p.position);
         if (finite(radiance)) {
             met_by[k]->radiance = radiance;
@@ -149,16 +171,18 @@ void seeCells(const RayScene& rays, const Surface& p, std::span<const vec3> dire
 
 }  // namespace
 
-WardRecord gatherRecord(const RayScene& rays, const Surface& p, const WardStrata& strata,
-                        uint32_t seed, Counters& counters) {
+WardRecord gatherRecord(const RayScene& rays, const Lights& lights, const Surface& p,
+                        const WardStrata& strata, uint32_t seed, Counters& counters) {
     constexpr auto kPacket = static_cast<size_t>(RayScene::kPacket);
     const mat3 world_from_local = worldFromLocal(p.n);
     std::vector<WardCell> cells(static_cast<size_t>(strata.count()));
     std::array<vec3, kPacket> directions;
     std::array<WardCell*, kPacket> aimed_at;
     size_t count = 0;
+    uint32_t packets = 0;
     const auto see = [&] {
-        seeCells(rays, p, {directions.data(), count}, {aimed_at.data(), count}, counters);
+        seeCells(rays, lights, p, {directions.data(), count}, {aimed_at.data(), count},
+                 hashCombine(~seed, packets++), counters);
         count = 0;
     };
     for (int row = 0; row < strata.rows; ++row) {

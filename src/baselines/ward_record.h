@@ -48,8 +48,8 @@ WardRecord integrateCells(const WardStrata& strata, std::span<const WardCell> ce
                           const mat3& world_from_local);
 
 /// Sees the hemisphere of a surface, one ray through a random place of each cell: light scattered
-/// once and emission. `seed` chooses the places.
-WardRecord gatherRecord(const RayScene& rays, const Surface& p, const WardStrata& strata,
-                        uint32_t seed, Counters& counters);
+/// once, and the sky. `seed` chooses the places.
+WardRecord gatherRecord(const RayScene& rays, const Lights& lights, const Surface& p,
+                        const WardStrata& strata, uint32_t seed, Counters& counters);
 
 }  // namespace sheen

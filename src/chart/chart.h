@@ -10,6 +10,7 @@
 #include "chart/measurement.h"
 #include "chart/methods.h"
 #include "metrics/compare.h"
+#include "scene/environment.h"
 
 namespace sheen {
 
@@ -18,7 +19,8 @@ struct ChartParams {
     std::string folder;               ///< made where it is missing
     std::string program;              ///< the executable that renders: sheen's own
     std::string version;
-    std::string camera;  ///< of every scene: name or index; empty: the first
+    std::string camera;             ///< of every scene: name or index; empty: the first
+    EnvironmentParams environment;  ///< of every scene
     int width = 512;
     int height = 512;
     std::vector<SweepMethod> methods = sweepMethods();

@@ -126,7 +126,7 @@ class Sweep {
     Chart run() {
         // Everything that can be wrong is looked at before the long work.
         for (ChartScene& chart_scene : scenes_) {
-            const Scene scene = loadScene(chart_scene.file, params_.camera);
+            const Scene scene = loadScene(chart_scene.file, params_.camera, params_.environment);
             checkNotOverwritten(scene.files);
             identities_.push_back(identify(scene, params_.camera, chart_scene));
         }
@@ -259,8 +259,8 @@ class Sweep {
             fmt::format("{}, reference, {} paths a pixel", scene.name, reference.params.spp);
         say(fmt::format("{} ...\n", what));
         const Timer timer;
-        const RenderResult result =
-            renderFrame(loadScene(scene.file, params_.camera), reference.params);
+        const RenderResult result = renderFrame(
+            loadScene(scene.file, params_.camera, params_.environment), reference.params);
         writeExr(reference.file.string() + ".exr", result.frame, ExrLayers::kBasic);
         StoredPoint point = {.key = reference.key, .measured = {}};
         point.measured.host = host_;
@@ -451,6 +451,16 @@ class Sweep {
         }
         if (!params_.camera.empty()) {
             command.insert(command.end(), {"--camera", params_.camera});
+        }
+        const EnvironmentParams& sky = params_.environment;
+        if (!sky.source.empty()) {
+            command.insert(command.end(),
+                           {"--environment", sky.source, "--environment-rotation",
+                            fmt::format("{}", sky.rotation), "--environment-strength",
+                            fmt::format("{}", sky.strength)});
+            if (sky.transparent) {
+                command.push_back("--transparent");
+            }
         }
         return command;
     }

@@ -120,6 +120,13 @@ std::string contentHash(const Scene& scene) {
         hash.add(&camera.world_from_camera, sizeof(camera.world_from_camera));
         hash.add(&camera.y_fov, sizeof(camera.y_fov));
     }
+    if (!scene.environment.empty()) {
+        const Environment& sky = scene.environment;
+        const int shape[] = {sky.texels.width, sky.texels.height, sky.visible ? 1 : 0};
+        hash.add(shape, sizeof(shape));
+        hash.add(&sky.rotation, sizeof(sky.rotation));
+        hash.add(sky.texels.pixels);
+    }
     return hash.text();
 }
 

@@ -79,6 +79,7 @@ Command addChart(CLI::App& program) {
     app->add_option("--size", options->size, "Width x height in pixels, each 1..16384")
         ->capture_default_str();
     app->add_option("--camera", p.camera, "Name or number of a camera; default: the first");
+    addEnvironmentOptions(*app, p.environment);
     app->add_option("--reference-spp", p.reference_spp,
                     "Paths a pixel of the references; points whose error is mostly a reference's "
                     "noise are marked")

@@ -86,6 +86,27 @@ int parseShOrder(const std::string& text) {
     return *order;
 }
 
+void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params) {
+    CLI::Option* environment =
+        app.add_option("--environment", params.source,
+                       "Sky that lights the scene and shows behind it: an image by latitude and "
+                       "longitude (.hdr, .exr), a colour R,G,B in nits, or none")
+            ->type_name("FILE|R,G,B|none")
+            ->check(fileName());
+    app.add_option("--environment-rotation", params.rotation,
+                   "Degrees by which the sky is turned, counter-clockwise seen from above")
+        ->check(numberIn(-360, 360))
+        ->needs(environment)
+        ->capture_default_str();
+    app.add_option("--environment-strength", params.strength, "Factor of the sky's radiance")
+        ->check(numberIn(0, 1e6))
+        ->needs(environment)
+        ->capture_default_str();
+    app.add_flag("--transparent", params.transparent,
+                 "The sky only lights: where no surface is seen the image stays transparent")
+        ->needs(environment);
+}
+
 FileKind imageKind(const std::string& path) {
     std::string extension = std::filesystem::path(path).extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),

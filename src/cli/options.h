@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/math.h"
+#include "scene/environment.h"
 
 namespace sheen::cli {
 
@@ -23,6 +24,9 @@ std::optional<float> parseExposure(const std::string& text);
 
 /// "auto" (0) or 2..10. Usage error otherwise.
 int parseShOrder(const std::string& text);
+
+/// --environment and what belongs to it, of any command that renders.
+void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params);
 
 enum class FileKind { kExr, kPng };
 /// By the name's extension, in any case. Usage error where it is another.

@@ -53,6 +53,7 @@ struct RenderOptions {
     std::string layers = "basic";
     std::string json;
     int threads = 0;
+    EnvironmentParams environment;
     RenderParams params;
     std::vector<LimitedOption> limited;
     CLI::Option* exposure_option = nullptr;
@@ -82,6 +83,7 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
     app.add_option("--size", o.size, "Width x height in pixels, each 1..16384")
         ->capture_default_str();
     app.add_option("--camera", o.params.camera, "Name or number of a camera; default: the first");
+    addEnvironmentOptions(app, o.environment);
     o.exposure_option =
         app.add_option("--exposure", o.exposure,
                        "PNG only: stops, or auto: the log-average becomes middle grey")
@@ -361,7 +363,7 @@ ExitCode runRender(RenderOptions& o) {
     setThreadCount(o.threads);
 
     const Timer load;
-    const Scene scene = loadScene(o.scene, o.params.camera);
+    const Scene scene = loadScene(o.scene, o.params.camera, o.environment);
     for (const std::string& warning : scene.warnings) {
         warn(warning);
     }

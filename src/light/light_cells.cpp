@@ -185,9 +185,9 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
                 for (size_t k = 0; k < count; ++k) {
                     const vec3 position = triangle.at(uvs[first + k]);
                     points[k] = {.position = position,
-                                    .n_g = (facing[0] & bit(l)) != 0 ? front : -front,
-                                    .toward_viewer = vec3(0.0f),
-                                    .offset = surfaceOffset(scene, index, position, front, edge)};
+                                 .n_g = (facing[0] & bit(l)) != 0 ? front : -front,
+                                 .toward_viewer = vec3(0.0f),
+                                 .offset = surfaceOffset(scene, index, position, front, edge)};
                 }
                 const uint32_t lit = reached(tracer, scene.lights[l], {points, count});
                 for (size_t k = 0; k < count; ++k) {

@@ -19,9 +19,7 @@ Way wayTo(const PunctualLight& light, const LightSample& sample, const vec3& sta
     }
     const vec3 to_light = light.position - start;
     const float distance = std::max(glm::length(to_light), 1e-30f);
-    return {.start = start,
-            .direction = to_light / distance,
-            .length = distance * kShadowRayShare};
+    return {.start = start, .direction = to_light / distance, .length = distance * kShadowRayShare};
 }
 
 uint32_t reached(const Tracer& tracer, const PunctualLight& light,

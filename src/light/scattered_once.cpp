@@ -47,8 +47,7 @@ void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
         std::partition(all.begin(), dark, [](const Lit& l) { return l.trace() != 0; });
     for (const std::span<Lit> lacking : {std::span(all.begin(), known), std::span(known, dark)}) {
         for (size_t i = 0; i < lacking.size(); i += Tracer::kPacket) {
-            light(rays,
-                  lacking.subspan(i, std::min<size_t>(Tracer::kPacket, lacking.size() - i)),
+            light(rays, lacking.subspan(i, std::min<size_t>(Tracer::kPacket, lacking.size() - i)),
                   radiance);
         }
     }

@@ -4,12 +4,17 @@
 #include <array>
 #include <cmath>
 
+#include "reference/sobol.h"
+
 namespace sheen {
 namespace {
 
 // A shadow ray ends this fraction short of its light: a light lying on a surface is not hidden by
 // it.
 constexpr float kShadowRayShare = 1.0f - 1e-5f;
+
+// Of the directions that the BRDF chooses for an estimate of lamps or sky.
+constexpr uint32_t kBrdfSeed = 0x62726466u;
 
 // What a light sends by way of a surface toward its wo if nothing is between them.
 struct Arriving {
@@ -90,8 +95,67 @@ void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec
     }
 }
 
+Scattered scatterChosen(const RayScene& rays, const Surface& s, const BrdfSampler& sampler,
+                        const LightChoice& choice, Counters& counters) {
+    const vec3& wi = choice.way.direction;
+    const float NoL = glm::dot(s.n, wi);
+    if (!(choice.pdf > 0.0f) || !(NoL > 0.0f) || !opensToward(s, wi)) {
+        return {};
+    }
+    // The balance heuristic's weight over the density of the choice.
+    const vec3 arriving =
+        choice.radiance * (NoL / (choice.pdf + brdfPdf(sampler, s.brdf, s.n, s.wo, wi)));
+    const Scattered scattered = {.all = shared::evalBrdf(s.brdf, s.n, s.wo, wi) * arriving,
+                                 .diffuse = s.brdf.diffuse / kPi * arriving};
+    if (black(scattered.all)) {
+        return {};
+    }
+    ++counters.rays;
+    return rays.occluded(choice.way) ? Scattered{} : scattered;
+}
+
+vec3 lampMet(const Lights& lights, const Surface& q, uint32_t triangle, const vec3& from,
+             float brdf_pdf) {
+    return q.emission * balance(brdf_pdf, lights.lamps.pdf(triangle, q, from));
+}
+
+vec3 skyMet(const Lights& lights, const vec3& wi, float brdf_pdf) {
+    return lights.sky.empty() ? vec3(0.0f)
+                              : lights.sky.radiance(wi) * balance(brdf_pdf, lights.sky.pdf(wi));
+}
+
+vec3 sampleLamps(const RayScene& rays, const Lights& lights, const Surface& s,
+                 const BrdfSampler& sampler, uint32_t index, uint32_t seed, Counters& counters) {
+    const LightChoice choice = lights.lamps.choose(s.rayOrigin(), owenSobol(index, seed));
+    vec3 radiance = scatterChosen(rays, s, sampler, choice, counters).all;
+    const DirectionSample by_brdf =
+        sampleBrdf(sampler, s.brdf, s.n, s.wo, owenSobol(index, hashCombine(seed, kBrdfSeed)));
+    if (!black(by_brdf.weight)) {
+        const RayHit hit = nextHit(rays, s, by_brdf.wi, counters);
+        if (hit.found() && lights.lamps.contains(hit.triangle)) {
+            const Surface q = rays.surfaceAt(hit, -by_brdf.wi);
+            radiance +=
+                by_brdf.weight * lampMet(lights, q, hit.triangle, s.rayOrigin(), by_brdf.pdf);
+        }
+    }
+    return radiance;
+}
+
+vec3 sampleSky(const RayScene& rays, const Lights& lights, const Surface& s,
+               const BrdfSampler& sampler, uint32_t index, uint32_t seed, Counters& counters) {
+    const LightChoice choice = lights.sky.choose(s.rayOrigin(), owenSobol(index, seed));
+    vec3 radiance = scatterChosen(rays, s, sampler, choice, counters).all;
+    const DirectionSample by_brdf =
+        sampleBrdf(sampler, s.brdf, s.n, s.wo, owenSobol(index, hashCombine(seed, kBrdfSeed)));
+    if (!black(by_brdf.weight) && opensToward(s, by_brdf.wi) &&
+        !nextHit(rays, s, by_brdf.wi, counters).found()) {
+        radiance += by_brdf.weight * skyMet(lights, by_brdf.wi, by_brdf.pdf);
+    }
+    return radiance;
+}
+
 RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters& counters) {
-    if (glm::dot(s.n_g, wi) <= 0.0f) {
+    if (!opensToward(s, wi)) {
         return {};
     }
     ++counters.rays;
@@ -117,6 +181,8 @@ std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int 
     ++counters.rays;
     const RayHit hit = rays.intersect(ray.origin, ray.direction);
     if (!hit.found()) {
+        const Environment& sky = rays.scene().environment;
+        frame.emission.at(x, y) = sky.visible ? sky.radiance(ray.direction) : vec3(0.0f);
         return std::nullopt;
     }
     const Surface p = rays.surfaceAt(hit, -ray.direction);

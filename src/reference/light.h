@@ -1,11 +1,12 @@
-// Light along rays: what a pixel sees, what punctual lights send from a surface, what a ray meets
-// that leaves one. The integrand of docs/reference.md, for the path tracer and for whatever else is
+// Light along rays: what a pixel sees, what lights send from a surface, what a ray meets that
+// leaves one. The integrand of docs/reference.md, for the path tracer and for whatever else is
 // judged beside it (baselines/).
 #pragma once
 
 #include <optional>
 
-#include "reference/ray_scene.h"
+#include "reference/lights.h"
+#include "reference/sampling.h"
 
 namespace sheen {
 
@@ -25,15 +26,48 @@ vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters);
 void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec3* radiance,
                     Counters& counters);
 
-/// What a path meets that leaves a surface in direction wi. The hemisphere of a shading normal
-/// reaches below the geometric surface, from where no light comes.
+/// Radiance that leaves a surface toward its wo, and what of it the diffuse term scattered.
+struct Scattered {
+    vec3 all{0.0f};
+    vec3 diffuse{0.0f};
+
+    void add(const Scattered& other) {
+        all += other.all;
+        diffuse += other.diffuse;
+    }
+};
+
+/// One estimate of what lamps and sky send from a surface consists of two halves, each weighed
+/// against the other. Of a chosen light:
+Scattered scatterChosen(const RayScene& rays, const Surface& s, const BrdfSampler& sampler,
+                        const LightChoice& choice, Counters& counters);
+/// And of a direction that the BRDF chose: what shines there; the caller multiplies by its weight.
+/// The lamp whose triangle it hit, of surface q, seen from the point `from`; the sky where it met
+/// none.
+vec3 lampMet(const Lights& lights, const Surface& q, uint32_t triangle, const vec3& from,
+             float brdf_pdf);
+vec3 skyMet(const Lights& lights, const vec3& wi, float brdf_pdf);
+
+/// Both halves for lamps, by point `index` of the sequences of `seed`; and the same for the sky.
+vec3 sampleLamps(const RayScene& rays, const Lights& lights, const Surface& s,
+                 const BrdfSampler& sampler, uint32_t index, uint32_t seed, Counters& counters);
+vec3 sampleSky(const RayScene& rays, const Lights& lights, const Surface& s,
+               const BrdfSampler& sampler, uint32_t index, uint32_t seed, Counters& counters);
+
+/// Whether light can come to a surface from there: not from below it, where the hemisphere of its
+/// shading normal may reach.
+inline bool opensToward(const Surface& s, const vec3& wi) { return glm::dot(s.n_g, wi) > 0.0f; }
+
+/// What a path meets that leaves a surface in direction wi, toward which it must open to meet
+/// anything.
 RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters& counters);
 
 /// A frame that sees nothing: black layers of light and of the G-buffer, no variances.
 Frame emptyFrame(int width, int height);
 
-/// The surface at the centre of pixel (x, y), if there is one; sets the pixel's direct light,
-/// emission and G-buffer in `frame`.
+/// The surface at the centre of pixel (x, y), if there is one; sets the pixel's direct light by
+/// punctual lights, its emission (where there is no surface, the sky if that is to show) and
+/// G-buffer in `frame`.
 std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
                                 Frame& frame, Counters& counters);
 

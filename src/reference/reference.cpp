@@ -25,11 +25,10 @@ constexpr uint32_t kGuideSeed = 0xffffffffu;
 constexpr int kSmallestGuide = 16;
 constexpr int kLargestGuide = 64;
 
-// One sample of the indirect radiance, and of its diffuse part.
-struct Indirect {
-    vec3 all{0.0f};
-    vec3 diffuse{0.0f};
-};
+// Of the directions toward lamps and sky chosen at a path's vertices, and of direct light.
+constexpr uint32_t kLampSeed = 0x6c616d70u;
+constexpr uint32_t kSkySeed = 0x736b7900u;
+constexpr uint32_t kDirectSeed = 0x64697265u;
 
 // Where a pixel's paths start: the point they leave and how they leave it.
 struct Start {
@@ -38,38 +37,105 @@ struct Start {
     Guide guide;
 };
 
-Indirect samplePath(const RayScene& rays, const Start& start, int bounces, uint32_t index,
-                    uint32_t seed, Counters& counters) {
-    const Surface& p = start.p;
-    const GuidedPoint guided = start.guide.warp(owenSobol(index, seed));
-    const DirectionSample first = sampleBrdf(start.sampler, p.brdf, p.n, p.wo, guided.u);
-    if (bounces == 0 || black(first.weight)) {
-        return {};
+struct Context {
+    const RayScene& rays;
+    const Lights& lights;
+    const ReferenceParams& params;
+    int samples_per_replicate;
+    int guide_size;  // cells along a side; 0: no guide
+};
+
+// What lights of all kinds send from a path's vertex, but for the half of lamps and sky that the
+// path's next ray finds.
+vec3 lightAtVertex(const Context& context, const Surface& q, const BrdfSampler& sampler,
+                   uint32_t index, uint32_t seed, Counters& counters) {
+    const RayScene& rays = context.rays;
+    const Lights& lights = context.lights;
+    vec3 radiance = directRadiance(rays, q, counters);
+    if (!lights.lamps.empty()) {
+        const LightChoice lamp =
+            lights.lamps.choose(q.rayOrigin(), owenSobol(index, hashCombine(seed, kLampSeed)));
+        radiance += scatterChosen(rays, q, sampler, lamp, counters).all;
     }
-    RayHit hit = nextHit(rays, p, first.wi, counters);
+    if (!lights.sky.empty()) {
+        const LightChoice sky =
+            lights.sky.choose(q.rayOrigin(), owenSobol(index, hashCombine(seed, kSkySeed)));
+        radiance += scatterChosen(rays, q, sampler, sky, counters).all;
+    }
+    return radiance;
+}
+
+// Radiance that a path brings to its start from where it goes by `first`. Lamps that the first ray
+// meets are direct light and do not count.
+vec3 followPath(const Context& context, const Surface& start, const DirectionSample& first,
+                uint32_t index, uint32_t seed, Counters& counters) {
+    const RayScene& rays = context.rays;
+    const int bounces = context.params.bounces;
+    Surface from = start;
     vec3 wi = first.wi;
+    float pdf = first.pdf;
     vec3 throughput(1.0f);
     vec3 radiance(0.0f);
-    for (int bounce = 1; hit.found(); ++bounce) {
+    for (int bounce = 1; opensToward(from, wi); ++bounce) {
+        const RayHit hit = nextHit(rays, from, wi, counters);
+        if (!hit.found()) {
+            radiance += throughput * skyMet(context.lights, wi, pdf);
+            break;
+        }
         const Surface q = rays.surfaceAt(hit, -wi);
-        radiance += throughput * (q.emission + directRadiance(rays, q, counters));
-        if (bounce == bounces) {
+        if (bounce > 1) {
+            radiance +=
+                throughput * lampMet(context.lights, q, hit.triangle, from.rayOrigin(), pdf);
+        }
+        if (bounce > bounces) {
+            break;
+        }
+        const BrdfSampler sampler(q.brdf, q.specular_albedo, q.n, q.wo);
+        const uint32_t bounce_seed = hashCombine(seed, static_cast<uint32_t>(bounce));
+        radiance += throughput * lightAtVertex(context, q, sampler, index, bounce_seed, counters);
+        // The last vertex needs one more ray where that may find a lamp or the sky.
+        if (bounce == bounces && context.lights.empty()) {
             break;
         }
 
         // Continue the path from q.
-        const BrdfSampler sampler(q.brdf, q.specular_albedo, q.n, q.wo);
-        const vec2 u = owenSobol(index, hashCombine(seed, static_cast<uint32_t>(bounce)));
-        const DirectionSample next = sampleBrdf(sampler, q.brdf, q.n, q.wo, u);
+        const DirectionSample next =
+            sampleBrdf(sampler, q.brdf, q.n, q.wo, owenSobol(index, bounce_seed));
         if (black(next.weight)) {
             break;
         }
         throughput *= next.weight;
         wi = next.wi;
-        hit = nextHit(rays, q, wi, counters);
+        pdf = next.pdf;
+        from = q;
     }
+    return radiance;
+}
+
+// One sample of the indirect light that arrives in directions chosen by the BRDF.
+Scattered samplePath(const Context& context, const Start& start, uint32_t index, uint32_t seed,
+                     Counters& counters) {
+    const Surface& p = start.p;
+    const GuidedPoint guided = start.guide.warp(owenSobol(index, seed));
+    const DirectionSample first = sampleBrdf(start.sampler, p.brdf, p.n, p.wo, guided.u);
+    if (context.params.bounces == 0 || black(first.weight)) {
+        return {};
+    }
+    vec3 radiance = followPath(context, p, first, index, seed, counters);
     radiance *= guided.weight;
     return {.all = first.weight * radiance, .diffuse = first.diffuse * radiance};
+}
+
+// And of what of the sky's light the other half of the estimate brings: by directions toward it.
+// (Weights of both halves are those of plain BRDF samples: they add up to one whatever the guide.)
+Scattered sampleSkyFromStart(const Context& context, const Start& start, uint32_t index,
+                             uint32_t seed, Counters& counters) {
+    if (context.params.bounces == 0 || context.lights.sky.empty()) {
+        return {};
+    }
+    const LightChoice choice = context.lights.sky.choose(
+        start.p.rayOrigin(), owenSobol(index, hashCombine(seed, kSkySeed)));
+    return scatterChosen(context.rays, start.p, start.sampler, choice, counters);
 }
 
 // Mean and variance of the mean of independent, equally good estimates.
@@ -89,21 +155,13 @@ struct Replicates {
     }
 };
 
-struct Context {
-    const RayScene& rays;
-    const ReferenceParams& params;
-    int samples_per_replicate;
-    int guide_size;  // cells along a side; 0: no guide
-};
-
 // A guide from one path a cell: an aligned block of 4^k Sobol points has one in each.
 Guide learnGuide(const Context& context, const Start& start, uint32_t seed, Counters& counters) {
     const int size = context.guide_size;
     std::vector<float> contributions(static_cast<size_t>(size) * static_cast<size_t>(size));
     for (uint32_t i = 0; i < contributions.size(); ++i) {
         const vec2 u = owenSobol(i, seed);
-        const Indirect sample =
-            samplePath(context.rays, start, context.params.bounces, i, seed, counters);
+        const Scattered sample = samplePath(context, start, i, seed, counters);
         const float sum = sample.all.x + sample.all.y + sample.all.z;
         const auto column = static_cast<size_t>(u.x * static_cast<float>(size));
         const auto row = static_cast<size_t>(u.y * static_cast<float>(size));
@@ -112,12 +170,9 @@ Guide learnGuide(const Context& context, const Start& start, uint32_t seed, Coun
     return Guide(size, contributions);
 }
 
-void estimateIndirect(const Context& context, const Surface& p, int x, int y, Frame& frame,
-                      Counters& counters) {
+void estimateIndirect(const Context& context, Start& start, uint32_t pixel_seed, int x, int y,
+                      Frame& frame, Counters& counters) {
     const ReferenceParams& params = context.params;
-    Start start{.p = p, .sampler = {p.brdf, p.specular_albedo, p.n, p.wo}, .guide = {}};
-    const uint32_t pixel_seed = hashCombine(
-        hashCombine(hash32(params.seed), static_cast<uint32_t>(x)), static_cast<uint32_t>(y));
     if (context.guide_size > 0) {
         start.guide = learnGuide(context, start, hashCombine(pixel_seed, kGuideSeed), counters);
     }
@@ -126,8 +181,9 @@ void estimateIndirect(const Context& context, const Surface& p, int x, int y, Fr
         const uint32_t seed = hashCombine(pixel_seed, static_cast<uint32_t>(replicate));
         dvec3 all_sum(0.0), diffuse_sum(0.0);
         for (int i = 0; i < context.samples_per_replicate; ++i) {
-            const Indirect sample = samplePath(context.rays, start, params.bounces,
-                                               static_cast<uint32_t>(i), seed, counters);
+            const auto index = static_cast<uint32_t>(i);
+            Scattered sample = samplePath(context, start, index, seed, counters);
+            sample.add(sampleSkyFromStart(context, start, index, seed, counters));
             if (!finite(sample.all) || !finite(sample.diffuse)) {
                 ++counters.nonfinite;
                 continue;
@@ -145,13 +201,43 @@ void estimateIndirect(const Context& context, const Surface& p, int x, int y, Fr
     frame.indirect_diffuse_variance.at(x, y) = diffuse.varianceOfMean();
 }
 
+// Adds the lamps' light to that of punctual lights, which has no variance.
+void estimateLamps(const Context& context, const Start& start, uint32_t pixel_seed, int x, int y,
+                   Frame& frame, Counters& counters) {
+    Replicates lamps;
+    for (int replicate = 0; replicate < context.params.replicates; ++replicate) {
+        const uint32_t seed =
+            hashCombine(hashCombine(pixel_seed, static_cast<uint32_t>(replicate)), kDirectSeed);
+        dvec3 sum(0.0);
+        for (int i = 0; i < context.samples_per_replicate; ++i) {
+            const vec3 sample = sampleLamps(context.rays, context.lights, start.p, start.sampler,
+                                            static_cast<uint32_t>(i), seed, counters);
+            if (finite(sample)) {
+                sum += dvec3(sample);
+            } else {
+                ++counters.nonfinite;
+            }
+        }
+        lamps.add(sum / static_cast<double>(context.samples_per_replicate));
+    }
+    frame.direct.at(x, y) += vec3(lamps.mean);
+    frame.direct_variance.at(x, y) = lamps.varianceOfMean();
+}
+
 void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
                  Counters& counters) {
     const std::optional<Surface> p =
         seePixel(context.rays, context.params.camera, x, y, result.frame, counters);
     if (p) {
         result.specular_albedo.at(x, y) = p->specular_albedo;
-        estimateIndirect(context, *p, x, y, result.frame, counters);
+        Start start{.p = *p, .sampler = {p->brdf, p->specular_albedo, p->n, p->wo}, .guide = {}};
+        const uint32_t pixel_seed =
+            hashCombine(hashCombine(hash32(context.params.seed), static_cast<uint32_t>(x)),
+                        static_cast<uint32_t>(y));
+        if (!context.lights.lamps.empty()) {
+            estimateLamps(context, start, pixel_seed, x, y, result.frame, counters);
+        }
+        estimateIndirect(context, start, pixel_seed, x, y, result.frame, counters);
     }
 }
 
@@ -185,8 +271,10 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
     checkParams(params);
     const Timer timer;
     const RayScene rays(scene);
+    const Lights lights(scene);
     const Context context{
         .rays = rays,
+        .lights = lights,
         .params = params,
         .samples_per_replicate = (params.spp + params.replicates - 1) / params.replicates,
         .guide_size = guideSize(params)};

@@ -2,12 +2,16 @@
 // of its own answer. It shares only the scene and the BRDF with the rest.
 //
 // At the point p of each pixel's centre
-//   indirect(p) = integral over the hemisphere of the shading normal of
-//                 f cos [direct(q -> p) + Le(q)],    q: the first surface seen in that direction,
-//   direct(q -> p) = sum over punctual lights of f cos * irradiance * visibility.
-// More bounces continue the path from q to a fixed depth. Emitting triangles are not lights here:
-// they are found by gather rays only, so Le always counts, once.
-// Based on: [Kaj86], sampled by sampling.h at the points of sobol.h, which guide.h warps.
+//   direct(p)   = sum over punctual lights of f cos * irradiance * visibility
+//                 + integral over lamps of f cos Le,
+//   indirect(p) = integral over the hemisphere of the shading normal of f cos [direct(q) + sky(q)],
+//                 q: the first surface seen in that direction; where there is none, of f cos sky;
+//                 sky(q): what of the sky's light q scatters.
+// More bounces continue the path from q to a fixed depth. Lamps are the triangles that emit. Their
+// light and the sky's is estimated twice at each vertex, by directions toward them and by those of
+// the BRDF, weighed against each other.
+// Based on: [Kaj86], [VG95], sampled by lights.h and sampling.h at the points of sobol.h, which
+// guide.h warps.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +37,7 @@ struct ReferenceParams {
 
 struct ReferenceResult {
     /// All layers but the cache's. Variances are of the mean, [pixel], per channel, in nits^2;
-    /// that of `direct`, which has no sampling, is 0.
+    /// that of `direct` is of lamps alone: punctual lights are not sampled.
     Frame frame;
     Image<vec3> specular_albedo;    ///< of the specular lobe toward the camera
     double mrays_per_second = 0.0;  ///< camera, gather and shadow rays, in millions

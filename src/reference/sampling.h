@@ -69,10 +69,23 @@ struct BrdfSampler {
     }
 };
 
+/// Density per solid angle by which sampleBrdf() chooses wi; 0 below the shading hemisphere.
+inline float brdfPdf(const BrdfSampler& sampler, const shared::Brdf& brdf, const vec3& n,
+                     const vec3& wo, const vec3& wi) {
+    const float NoL = glm::dot(n, wi);
+    if (!(NoL > 0.0f)) {
+        return 0.0f;
+    }
+    const float share = sampler.specular_share;
+    const float specular_pdf = share > 0.0f ? ggxReflectionPdf(n, wo, wi, brdf.alpha) : 0.0f;
+    return share * specular_pdf + (1.0f - share) * NoL / kPi;
+}
+
 /// A direction, and the BRDF times cosine over its density. Both weights are 0 where the direction
 /// lies below the shading hemisphere; such a sample counts, and there is nothing to trace.
 struct DirectionSample {
     vec3 wi{0.0f};       ///< unit, world space
+    float pdf = 0.0f;    ///< per solid angle
     vec3 weight{0.0f};   ///< of the whole BRDF
     vec3 diffuse{0.0f};  ///< of its diffuse term
 };
@@ -94,14 +107,10 @@ inline DirectionSample sampleBrdf(const BrdfSampler& sampler, const shared::Brdf
     DirectionSample s;
     s.wi = glm::normalize(sampler.world_from_local * wi_local);
     const float NoL = glm::dot(n, s.wi);
-    if (!(NoL > 0.0f)) {
-        return s;
-    }
-    const float specular_pdf = share > 0.0f ? ggxReflectionPdf(n, wo, s.wi, brdf.alpha) : 0.0f;
-    const float pdf = share * specular_pdf + (1.0f - share) * NoL / kPi;
-    if (pdf > 0.0f) {
-        s.weight = shared::evalBrdf(brdf, n, wo, s.wi) * (NoL / pdf);
-        s.diffuse = brdf.diffuse * (NoL / (kPi * pdf));
+    s.pdf = brdfPdf(sampler, brdf, n, wo, s.wi);
+    if (s.pdf > 0.0f) {
+        s.weight = shared::evalBrdf(brdf, n, wo, s.wi) * (NoL / s.pdf);
+        s.diffuse = brdf.diffuse * (NoL / (kPi * s.pdf));
     }
     return s;
 }

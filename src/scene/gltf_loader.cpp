@@ -425,7 +425,7 @@ Camera framingCamera(const Bounds& bounds) {
 }
 
 bool isDark(const Scene& scene) {
-    return scene.lights.empty() &&
+    return scene.lights.empty() && scene.environment.empty() &&
            std::all_of(scene.materials_of.begin(), scene.materials_of.end(),
                        [&](uint32_t material) {
                            return scene.materials[material].params.emission == vec3(0.0f);
@@ -446,7 +446,8 @@ PunctualLight framingSun() {
 }  // namespace
 }  // namespace gltf
 
-Scene loadScene(const std::string& path, const std::string& camera) {
+Scene loadScene(const std::string& path, const std::string& camera,
+                const EnvironmentParams& environment) {
     gltf::File file{.path = path, .model = {}, .notes = {}};
     Scene scene;
     try {
@@ -461,6 +462,11 @@ Scene loadScene(const std::string& path, const std::string& camera) {
         throwEnvironment("{}: not enough memory to load it", path);
     }
     gltf::noteIgnoredParts(file);
+    std::vector<std::string> sky_warnings;
+    scene.environment = loadEnvironment(environment, file.read, sky_warnings);
+    for (const std::string& warning : sky_warnings) {
+        file.notes.add(warning);
+    }
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");
     } else if (gltf::isDark(scene)) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/math.h"
+#include "scene/environment.h"
 #include "scene/shared.h"
 
 namespace sheen {
@@ -51,6 +52,7 @@ struct Scene {
     std::vector<Texture> textures;
     std::vector<PunctualLight> lights;
     std::vector<std::string> light_names;
+    Environment environment;
     std::vector<Camera> cameras;
     Bounds bounds;
     /// Of world space, in the file's coordinates: not zero where the camera stands far from theirs.
@@ -70,7 +72,10 @@ struct Scene {
 /// A scene without cameras gets one that frames its bounds; geometry without lights, none of which
 /// emits, gets a sun from above, of pi lux, and a warning that says so.
 /// `camera`: the one to be seen by, as findCamera() has it, by which Scene::origin is chosen.
-Scene loadScene(const std::string& path, const std::string& camera = {});
+/// `environment`: the light of the surroundings, of which the file says nothing; see
+/// loadEnvironment() for its errors.
+Scene loadScene(const std::string& path, const std::string& camera = {},
+                const EnvironmentParams& environment = {});
 
 /// The camera called `name`, or the one with that index; empty: the first. Usage error if absent.
 const Camera& findCamera(const Scene& scene, const std::string& name);

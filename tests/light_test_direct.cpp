@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "cache/direct_rays.h"
+#include "light/direct.h"
 #include "test_reference.h"
 #include "test_stage.h"
 
@@ -14,7 +14,7 @@ namespace {
 constexpr int kSize = 128;
 
 GBuffer unlit(const Scene& scene) {
-    return renderGBuffer(RayCaster(scene), scene.cameras.front(), kSize, kSize);
+    return renderGBuffer(Tracer(scene), scene.cameras.front(), kSize, kSize);
 }
 
 class TracedDirect : public testing::TestWithParam<const char*> {};
@@ -24,7 +24,7 @@ class TracedDirect : public testing::TestWithParam<const char*> {};
 TEST_P(TracedDirect, IsTheReferencesButForEdges) {
     const Scene scene = loadScene(fmt::format("{}/{}.glb", SHEEN_SCENES, GetParam()));
     const GBuffer gbuffer = unlit(scene);
-    const Image<vec3> direct = traceDirect(RayCaster(scene), gbuffer);
+    const Image<vec3> direct = traceDirect(Tracer(scene), gbuffer);
     const Frame truth = firstHits(scene, kSize, kSize);
     int compared = 0, lit = 0, differ = 0;
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
@@ -58,7 +58,7 @@ TEST(TracedDirect, BlackWithoutLightsOrGeometry) {
     Scene empty;
     empty.cameras.push_back(lookAt(vec3(0.0f), vec3(0, 0, -1)));
     for (const Scene& scene : {dark, empty}) {
-        for (const vec3& pixel : traceDirect(RayCaster(scene), unlit(scene)).pixels) {
+        for (const vec3& pixel : traceDirect(Tracer(scene), unlit(scene)).pixels) {
             ASSERT_EQ(pixel, vec3(0.0f));
         }
     }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "rays/light_cells.h"
+#include "test_light.h"
 #include "test_scenes.h"
 
 namespace sheen {
@@ -34,8 +34,8 @@ struct Sight {
 
 // Random directions from `eye`, each ray standing for `solid_angle`.
 Sight look(const Scene& scene, const vec3& eye, float solid_angle, int count = 4096) {
-    const RayCaster rays(scene);
-    const LightCells cells(rays);
+    const LitScene exact(scene);
+    const LitByCells by_cells(scene);
     Sight sight;
     Random random(7);
     for (int i = 0; i < count; ++i) {
@@ -45,8 +45,8 @@ Sight look(const Scene& scene, const vec3& eye, float solid_angle, int count = 4
     const Rays all{.origin = eye, .directions = sight.directions, .solid_angles = solid_angles};
     sight.exact.resize(sight.directions.size());
     sight.by_cells.resize(sight.directions.size());
-    rays.cast(all, sight.exact.data());
-    rays.cast(all, sight.by_cells.data(), &cells);
+    exact.light.cast(all, sight.exact.data());
+    by_cells.light.cast(all, sight.by_cells.data());
     return sight;
 }
 

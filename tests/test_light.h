@@ -1,0 +1,28 @@
+// A scene, and the light in it that rays see.
+#pragma once
+
+#include "light/scattered_once.h"
+
+namespace sheen {
+
+/// Light scattered once, every hit lit by itself.
+struct LitScene {
+    explicit LitScene(const Scene& scene) : tracer(scene), light(tracer) {}
+
+    void cast(const Rays& rays, vec4* seen, vec3* planes = nullptr) const {
+        light.cast(rays, seen, planes);
+    }
+
+    Tracer tracer;
+    ScatteredOnce light;
+};
+
+/// The same, by cells.
+struct LitByCells {
+    explicit LitByCells(const Scene& scene) : tracer(scene), light(tracer, LightCells(tracer)) {}
+
+    Tracer tracer;
+    ScatteredOnce light;
+};
+
+}  // namespace sheen
