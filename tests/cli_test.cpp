@@ -138,6 +138,8 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
 
 TEST_F(CliTest, optionsTheFileDoesNotSupport) {
     expectError("render scene.gltf -o a.exr --exposure 1", ExitCode::kUsage, "for PNG only");
+    expectError("render scene.gltf -o a.exr --tone none", ExitCode::kUsage, "for PNG only");
+    expectError("render scene.gltf -o a.png --tone filmic", ExitCode::kUsage, "filmic");
     expectError("render scene.gltf -o a.png --layers all", ExitCode::kUsage, "for EXR only");
     expectError("render scene.gltf -o a.jpg", ExitCode::kUsage, "must end in .exr or .png");
     expectError("render scene.gltf -o a", ExitCode::kUsage, "must end in .exr or .png");

@@ -215,5 +215,22 @@ TEST_F(CliTest, aPixelAloneHasAnEstimate) {
     EXPECT_GE(json["estimate_high"].get<double>(), estimate);
 }
 
+TEST_F(CliTest, aGivenSkyShowsUnlessTransparent) {
+    for (const char* method : {"radiance", "reference", "octree"}) {
+        for (const bool transparent : {false, true}) {
+            const Outcome run = call(
+                fmt::format("render scene.gltf --method {} --size 24x16 -o a.exr --environment "
+                            "1,2,3 --environment-strength 2 {}",
+                            method, transparent ? "--transparent" : ""));
+            ASSERT_EQ(run.code, 0) << run.err;
+            const LoadedExr exr = readExr(file("a.exr"));
+            ASSERT_EQ(exr.primitive.at(0, 0), kNoPrimitive);
+            EXPECT_EQ(exr.scalars.at("A").at(0, 0), transparent ? 0.0f : 1.0f) << method;
+            EXPECT_EQ(exr.colors.at("beauty").at(0, 0), transparent ? vec3(0.0f) : vec3(2, 4, 6))
+                << method;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace sheen

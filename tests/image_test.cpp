@@ -487,6 +487,28 @@ TEST(PngBytes, fewColorsOrManyReadBackEqual) {
     }
 }
 
+TEST_F(PngTest, isTransparentWhereNothingIsSeenUnlessASkyShows) {
+    Frame frame;
+    frame.direct = Image<vec3>(2, 1, vec3(0.5f));
+    frame.primitive = Image<uint32_t>(2, 1, 0);
+    frame.primitive.at(1, 0) = kNoPrimitive;
+    const auto alphas = [&] {
+        writePng(file("a.png"), frame, 0.0f);
+        png_image png{};
+        png.version = PNG_IMAGE_VERSION;
+        EXPECT_NE(png_image_begin_read_from_file(&png, file("a.png").c_str()), 0);
+        png.format = PNG_FORMAT_RGBA;
+        std::vector<uint8_t> bytes(PNG_IMAGE_SIZE(png));
+        EXPECT_NE(png_image_finish_read(&png, nullptr, bytes.data(), 0, nullptr), 0);
+        return std::vector<int>{bytes[3], bytes[7]};
+    };
+    EXPECT_EQ(alphas(), (std::vector<int>{255, 0}));
+    EXPECT_EQ(alpha(frame).pixels, (std::vector<float>{1.0f, 0.0f}));
+    frame.shows_sky = true;
+    EXPECT_EQ(alphas(), (std::vector<int>{255, 255}));
+    EXPECT_EQ(alpha(frame).pixels, (std::vector<float>{1.0f, 1.0f}));
+}
+
 TEST_F(PngTest, frame) {
     writePng(file("a.png"), basicFrame(), std::nullopt);
     EXPECT_EQ(textOf(file("a.png")).substr(1, 3), "PNG");

@@ -25,6 +25,9 @@ const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
                                                 {"octree", Method::kOctree},
                                                 {"denoised", Method::kDenoised}};
 
+const std::map<std::string, ToneCurve> kTones = {{"neutral", ToneCurve::kNeutral},
+                                                 {"none", ToneCurve::kNone}};
+
 struct Gather {
     GatherRoad road;
     HemisphereKind hemisphere;
@@ -50,6 +53,7 @@ struct RenderOptions {
     std::string sh_order = "auto";
     std::string gather = "ray";
     std::string exposure = "auto";
+    std::string tone = "neutral";
     std::string layers = "basic";
     std::string json;
     int threads = 0;
@@ -57,6 +61,7 @@ struct RenderOptions {
     RenderParams params;
     std::vector<LimitedOption> limited;
     CLI::Option* exposure_option = nullptr;
+    CLI::Option* tone_option = nullptr;
     CLI::Option* layers_option = nullptr;
     CLI::Option* extent_option = nullptr;
 };
@@ -87,6 +92,12 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
     o.exposure_option =
         app.add_option("--exposure", o.exposure,
                        "PNG only: stops, or auto: the log-average becomes middle grey")
+            ->capture_default_str();
+    o.tone_option =
+        app.add_option("--tone", o.tone,
+                       "PNG only: tone curve, neutral (Khronos PBR Neutral: colours as materials "
+                       "state them, highlights compressed) or none (clipped)")
+            ->check(CLI::IsMember(keysOf(kTones)))
             ->capture_default_str();
     o.layers_option = app.add_option("--layers", o.layers,
                                      "EXR only: basic (beauty, direct, indirect) or all "
@@ -217,8 +228,11 @@ void checkMethodOptions(const RenderOptions& o) {
 }
 
 void checkFileOptions(const RenderOptions& o, FileKind kind) {
-    if (kind == FileKind::kExr && o.exposure_option->count() > 0) {
-        throwUsage("--exposure: for PNG only; {} stores radiance as it is", o.output);
+    for (const CLI::Option* option : {o.exposure_option, o.tone_option}) {
+        if (kind == FileKind::kExr && option->count() > 0) {
+            throwUsage("{}: for PNG only; {} stores radiance as it is", option->get_name(),
+                       o.output);
+        }
     }
     if (kind == FileKind::kPng && o.layers_option->count() > 0) {
         throwUsage("--layers: for EXR only; {} holds one image", o.output);
@@ -339,7 +353,7 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
 
 void writeFrame(const RenderOptions& o, FileKind kind, const Frame& frame) {
     if (kind == FileKind::kPng) {
-        writePng(o.output, frame, parseExposure(o.exposure));
+        writePng(o.output, frame, parseExposure(o.exposure), kTones.at(o.tone));
     } else {
         writeExr(o.output, frame, o.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
     }

@@ -137,14 +137,6 @@ class Channels {
     std::deque<std::vector<half>> halves_;  // a deque: slices point into its elements
 };
 
-Image<float> alpha(const Frame& frame) {
-    Image<float> image(frame.width(), frame.height());
-    std::transform(frame.primitive.pixels.begin(), frame.primitive.pixels.end(),
-                   image.pixels.begin(),
-                   [](uint32_t id) { return id == kNoPrimitive ? 0.0f : 1.0f; });
-    return image;
-}
-
 // Layers whose names the header comment lists, in file order (OpenEXR sorts channels by name).
 void addLayers(Channels& channels, const Frame& frame, ExrLayers layers) {
     const bool all = layers == ExrLayers::kAll;

@@ -2,6 +2,14 @@
 
 namespace sheen {
 
+Image<float> alpha(const Frame& frame) {
+    Image<float> image(frame.width(), frame.height(), 1.0f);
+    for (size_t i = 0; i < image.pixels.size() && !frame.shows_sky; ++i) {
+        image.pixels[i] = frame.primitive.pixels[i] == kNoPrimitive ? 0.0f : 1.0f;
+    }
+    return image;
+}
+
 Image<vec3> beauty(const Frame& frame) {
     Image<vec3> sum(frame.width(), frame.height());
     for (const Image<vec3>* layer : {&frame.direct, &frame.indirect, &frame.emission}) {

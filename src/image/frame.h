@@ -13,10 +13,11 @@ constexpr uint32_t kNoPrimitive = 0xffffffffu;
 
 struct Frame {
     // Outgoing radiance toward the camera, glTF's photometric scale (nits).
-    Image<vec3> direct;            ///< punctual lights, one scattering
+    Image<vec3> direct;            ///< punctual lights and lamps, one scattering
     Image<vec3> indirect;          ///< design section 3; diffuse and specular
     Image<vec3> indirect_diffuse;  ///< its diffuse part
-    Image<vec3> emission;
+    Image<vec3> emission;          ///< of what is seen; where that is nothing, the sky or black
+    bool shows_sky = false;        ///< pixels that see nothing are not transparent
     // The G-buffer.
     Image<vec3> albedo;         ///< diffuse reflectance toward the camera, 0..1
     Image<vec3> normal;         ///< shading normal, world space, on the camera's side
@@ -35,6 +36,9 @@ struct Frame {
     int width() const { return primitive.width; }
     int height() const { return primitive.height; }
 };
+
+/// How much of a pixel is covered: 1 where a surface or a sky that shows is seen, else 0.
+Image<float> alpha(const Frame& frame);
 
 /// What the camera sees: direct + indirect + emission; a layer the frame lacks counts as black.
 Image<vec3> beauty(const Frame& frame);

@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -39,45 +40,67 @@ Palette paletteOf(const Image<Rgb8>& image) {
     return palette;
 }
 
-}  // namespace
-
-std::string pngBytes(const Image<Rgb8>& image) {
-    static_assert(sizeof(Rgb8) == 3, "rows are handed to libpng as they are");
-    SHEEN_CHECK(!image.empty());
+// `pixels` as `format` says, row by row.
+std::string encode(int width, int height, png_uint_32 format, const void* pixels,
+                   const std::vector<Rgb8>& colors) {
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
-    png.width = static_cast<png_uint_32>(image.width);
-    png.height = static_cast<png_uint_32>(image.height);
-    png.format = PNG_FORMAT_RGB;
-    const void* pixels = image.pixels.data();
-    const Palette palette = paletteOf(image);
-    if (!palette.colors.empty()) {
-        png.format = PNG_FORMAT_RGB_COLORMAP;
-        png.colormap_entries = static_cast<png_uint_32>(palette.colors.size());
-        pixels = palette.indices.data();
-    }
+    png.width = static_cast<png_uint_32>(width);
+    png.height = static_cast<png_uint_32>(height);
+    png.format = format;
+    png.colormap_entries = static_cast<png_uint_32>(colors.size());
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
     std::string bytes(size, '\0');
-    if (png_image_write_to_memory(&png, bytes.data(), &size, 0, pixels, 0, palette.colors.data()) ==
-        0) {
+    if (png_image_write_to_memory(&png, bytes.data(), &size, 0, pixels, 0, colors.data()) == 0) {
         throwEnvironment("cannot encode a PNG image: {}", png.message);
     }
     bytes.resize(size);
     return bytes;
 }
 
-void writePng(const std::string& path, const Image<Rgb8>& image) {
+void writeBytes(const std::string& path, const std::string& bytes) {
     AtomicFile file(path);
-    file.write(pngBytes(image));
+    file.write(bytes);
     file.commit();
+}
+
+}  // namespace
+
+std::string pngBytes(const Image<Rgb8>& image) {
+    static_assert(sizeof(Rgb8) == 3, "rows are handed to libpng as they are");
+    SHEEN_CHECK(!image.empty());
+    const Palette palette = paletteOf(image);
+    return palette.colors.empty()
+               ? encode(image.width, image.height, PNG_FORMAT_RGB, image.pixels.data(), {})
+               : encode(image.width, image.height, PNG_FORMAT_RGB_COLORMAP, palette.indices.data(),
+                        palette.colors);
+}
+
+void writePng(const std::string& path, const Image<Rgb8>& image) {
+    writeBytes(path, pngBytes(image));
 }
 
 void writePng(const std::string& path, const Image<vec3>& image, std::optional<float> exposure) {
     writePng(path, displayImage(image, exposure));
 }
 
-void writePng(const std::string& path, const Frame& frame, std::optional<float> exposure) {
-    writePng(path, beauty(frame), exposure);
+void writePng(const std::string& path, const Frame& frame, std::optional<float> exposure,
+              ToneCurve curve) {
+    const Image<Rgb8> image = displayImage(beauty(frame), exposure, curve);
+    const Image<float> opaque = alpha(frame);
+    if (std::all_of(opaque.pixels.begin(), opaque.pixels.end(),
+                    [](float a) { return a == 1.0f; })) {
+        writePng(path, image);
+        return;
+    }
+    std::vector<uint8_t> pixels;
+    pixels.reserve(4 * image.pixels.size());
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+        const Rgb8& c = image.pixels[i];
+        const uint8_t a = opaque.pixels[i] > 0.0f ? 255 : 0;
+        pixels.insert(pixels.end(), {c.r, c.g, c.b, a});
+    }
+    writeBytes(path, encode(image.width, image.height, PNG_FORMAT_RGBA, pixels.data(), {}));
 }
 
 }  // namespace sheen

@@ -53,7 +53,10 @@ float autoExposure(const Image<vec3>& image) {
     return static_cast<float>(std::log2(kMiddleGrey) - sum_log2 / count);
 }
 
-vec3 toneMap(const vec3& color) {
+vec3 toneMap(const vec3& color, ToneCurve curve) {
+    if (curve == ToneCurve::kNone) {
+        return glm::clamp(color, 0.0f, 1.0f);
+    }
     // The symbols of [KhronosNeutral]; d = 1 - K_s.
     constexpr float kF90 = 0.04f;
     constexpr float kKs = 0.8f - kF90;
@@ -83,7 +86,7 @@ Image<Rgb8> bytesFromDisplay(const Image<vec3>& image) {
     return bytes;
 }
 
-Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure) {
+Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure, ToneCurve curve) {
     const float stops = exposure ? *exposure : autoExposure(image);
     const float scale = std::exp2(std::clamp(stops, -kMaxStops, kMaxStops));
     Image<Rgb8> display(image.width, image.height);
@@ -93,7 +96,7 @@ Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure
             continue;
         }
         // Exposing may overflow where the pixel itself is finite; the curve is flat far below.
-        const vec3 mapped = toneMap(glm::min(image.pixels[i] * scale, vec3(kSurelyWhite)));
+        const vec3 mapped = toneMap(glm::min(image.pixels[i] * scale, vec3(kSurelyWhite)), curve);
         display.pixels[i] = bytesFromUnit(
             {srgbFromLinear(mapped.r), srgbFromLinear(mapped.g), srgbFromLinear(mapped.b)});
     }

@@ -1,9 +1,9 @@
 // From scene-linear radiance to 8-bit sRGB.
 //
-// Curve: Khronos PBR Neutral, chosen because it shows colours as the material states them: it is
-// the identity, less the 0.04 a white dielectric reflects, up to 0.76, and only above that
-// compresses highlights and fades them to white at constant hue.
-// Based on: [KhronosNeutral], Khronos Group, "PBR Neutral Tone Mapper", specification, 2024,
+// Curve by default: Khronos PBR Neutral, chosen because it shows colours as the material states
+// them: it is the identity, less the 0.04 a white dielectric reflects, up to 0.76, and only above
+// that compresses highlights and fades them to white at constant hue. Based on: [KhronosNeutral],
+// Khronos Group, "PBR Neutral Tone Mapper", specification, 2024,
 // github.com/KhronosGroup/ToneMapping; [Reinhard02], Reinhard, Stark, Shirley, Ferwerda,
 // "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002, for the exposure.
 #pragma once
@@ -21,9 +21,13 @@ namespace sheen {
 /// that. 0 where none is left. Scaling the image by 2^k lowers the result by k.
 float autoExposure(const Image<vec3>& image);
 
-/// [KhronosNeutral]: linear Rec. 709 radiance, exposed, to linear Rec. 709 in [0, 1]. Negative
-/// components count as 0.
-vec3 toneMap(const vec3& color);
+enum class ToneCurve {
+    kNeutral,  ///< [KhronosNeutral]
+    kNone,     ///< what is brighter than white becomes white, channel by channel
+};
+
+/// Linear Rec. 709 radiance, exposed, to linear Rec. 709 in [0, 1]. Negative components count as 0.
+vec3 toneMap(const vec3& color, ToneCurve curve = ToneCurve::kNeutral);
 
 /// The sRGB transfer function (IEC 61966-2-1), [0, 1] to [0, 1].
 float srgbFromLinear(float linear);
@@ -37,6 +41,7 @@ Image<Rgb8> bytesFromDisplay(const Image<vec3>& image);
 
 /// 2^exposure * image through the curve and the transfer function, rounded to nearest. Pixels that
 /// are not finite become magenta, so that they are seen. `exposure` in stops; none: autoExposure.
-Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure);
+Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure,
+                         ToneCurve curve = ToneCurve::kNeutral);
 
 }  // namespace sheen

@@ -75,7 +75,8 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
         *image = Image<float>(width, height);
     }
     if (std::any_of(scene.materials.begin(), scene.materials.end(),
-                    [](const Material& m) { return m.params.emission != vec3(0.0f); })) {
+                    [](const Material& m) { return m.params.emission != vec3(0.0f); }) ||
+        scene.environment.shows()) {
         result.emission = Image<vec3>(width, height);
     }
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
@@ -86,6 +87,8 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
             const Hit hit = tracer.meetAlone(ray.origin, ray.direction);
             if (hit.found()) {
                 writePixel(scene, hit, ray.direction, static_cast<size_t>(y * width + x), result);
+            } else if (scene.environment.shows()) {
+                result.emission.at(x, y) = scene.environment.radiance(ray.direction);
             }
         }
     });

@@ -23,7 +23,7 @@ struct GBuffer {
     Image<float> f90;        ///< specular F90
     Image<float> roughness;  ///< perceptual
     Image<vec3> direct;      ///< radiance of direct light
-    Image<vec3> emission;    ///< radiance; empty where no material emits
+    Image<vec3> emission;    ///< radiance; empty where no material emits and no sky shows
     Image<uint32_t> primitive;
 
     bool seen(size_t i) const { return depth.pixels[i] > 0.0f; }

@@ -42,7 +42,7 @@ struct Receivers {
     std::vector<float> f90;        ///< specular F90
     std::vector<float> roughness;  ///< perceptual
     std::vector<vec3> direct;      ///< radiance of direct light
-    std::vector<vec3> emission;    ///< radiance; empty where no material emits
+    std::vector<vec3> emission;    ///< radiance; empty where no material emits and no sky shows
 
     // What light it wants of records.
     std::vector<int8_t> orders;    ///< kNoOrder, shared::DIFFUSE_ORDER or bands

@@ -124,21 +124,26 @@ vec3 skyMet(const Lights& lights, const vec3& wi, float brdf_pdf) {
                               : lights.sky.radiance(wi) * balance(brdf_pdf, lights.sky.pdf(wi));
 }
 
+vec3 lampsByBrdf(const RayScene& rays, const Lights& lights, const Surface& s,
+                 const BrdfSampler& sampler, const vec2& u, Counters& counters) {
+    const DirectionSample sample = sampleBrdf(sampler, s.brdf, s.n, s.wo, u);
+    if (black(sample.weight)) {
+        return vec3(0.0f);
+    }
+    const RayHit hit = nextHit(rays, s, sample.wi, counters);
+    if (!hit.found() || !lights.lamps.contains(hit.triangle)) {
+        return vec3(0.0f);
+    }
+    const Surface q = rays.surfaceAt(hit, -sample.wi);
+    return sample.weight * lampMet(lights, q, hit.triangle, s.rayOrigin(), sample.pdf);
+}
+
 vec3 sampleLamps(const RayScene& rays, const Lights& lights, const Surface& s,
                  const BrdfSampler& sampler, uint32_t index, uint32_t seed, Counters& counters) {
     const LightChoice choice = lights.lamps.choose(s.rayOrigin(), owenSobol(index, seed));
-    vec3 radiance = scatterChosen(rays, s, sampler, choice, counters).all;
-    const DirectionSample by_brdf =
-        sampleBrdf(sampler, s.brdf, s.n, s.wo, owenSobol(index, hashCombine(seed, kBrdfSeed)));
-    if (!black(by_brdf.weight)) {
-        const RayHit hit = nextHit(rays, s, by_brdf.wi, counters);
-        if (hit.found() && lights.lamps.contains(hit.triangle)) {
-            const Surface q = rays.surfaceAt(hit, -by_brdf.wi);
-            radiance +=
-                by_brdf.weight * lampMet(lights, q, hit.triangle, s.rayOrigin(), by_brdf.pdf);
-        }
-    }
-    return radiance;
+    return scatterChosen(rays, s, sampler, choice, counters).all +
+           lampsByBrdf(rays, lights, s, sampler, owenSobol(index, hashCombine(seed, kBrdfSeed)),
+                       counters);
 }
 
 vec3 sampleSky(const RayScene& rays, const Lights& lights, const Surface& s,
@@ -182,7 +187,7 @@ std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int 
     const RayHit hit = rays.intersect(ray.origin, ray.direction);
     if (!hit.found()) {
         const Environment& sky = rays.scene().environment;
-        frame.emission.at(x, y) = sky.visible ? sky.radiance(ray.direction) : vec3(0.0f);
+        frame.emission.at(x, y) = sky.shows() ? sky.radiance(ray.direction) : vec3(0.0f);
         return std::nullopt;
     }
     const Surface p = rays.surfaceAt(hit, -ray.direction);

@@ -48,6 +48,10 @@ vec3 lampMet(const Lights& lights, const Surface& q, uint32_t triangle, const ve
              float brdf_pdf);
 vec3 skyMet(const Lights& lights, const vec3& wi, float brdf_pdf);
 
+/// The second half for lamps: traces the direction that the BRDF chooses by u in [0, 1)^2.
+vec3 lampsByBrdf(const RayScene& rays, const Lights& lights, const Surface& s,
+                 const BrdfSampler& sampler, const vec2& u, Counters& counters);
+
 /// Both halves for lamps, by point `index` of the sequences of `seed`; and the same for the sky.
 vec3 sampleLamps(const RayScene& rays, const Lights& lights, const Surface& s,
                  const BrdfSampler& sampler, uint32_t index, uint32_t seed, Counters& counters);

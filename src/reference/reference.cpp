@@ -155,14 +155,18 @@ struct Replicates {
     }
 };
 
-// A guide from one path a cell: an aligned block of 4^k Sobol points has one in each.
-Guide learnGuide(const Context& context, const Start& start, uint32_t seed, Counters& counters) {
-    const int size = context.guide_size;
+// A guide from one sample a cell, sample(index, u) its radiance: an aligned block of 4^k Sobol
+// points has one in each.
+template <class Sample>
+Guide learnGuide(int size, uint32_t seed, const Sample& sample) {
+    if (size == 0) {
+        return {};
+    }
     std::vector<float> contributions(static_cast<size_t>(size) * static_cast<size_t>(size));
     for (uint32_t i = 0; i < contributions.size(); ++i) {
         const vec2 u = owenSobol(i, seed);
-        const Scattered sample = samplePath(context, start, i, seed, counters);
-        const float sum = sample.all.x + sample.all.y + sample.all.z;
+        const vec3 radiance = sample(i, u);
+        const float sum = radiance.x + radiance.y + radiance.z;
         const auto column = static_cast<size_t>(u.x * static_cast<float>(size));
         const auto row = static_cast<size_t>(u.y * static_cast<float>(size));
         contributions[row * static_cast<size_t>(size) + column] = std::isfinite(sum) ? sum : 0.0f;
@@ -173,9 +177,10 @@ Guide learnGuide(const Context& context, const Start& start, uint32_t seed, Coun
 void estimateIndirect(const Context& context, Start& start, uint32_t pixel_seed, int x, int y,
                       Frame& frame, Counters& counters) {
     const ReferenceParams& params = context.params;
-    if (context.guide_size > 0) {
-        start.guide = learnGuide(context, start, hashCombine(pixel_seed, kGuideSeed), counters);
-    }
+    const uint32_t guide_seed = hashCombine(pixel_seed, kGuideSeed);
+    start.guide = learnGuide(context.guide_size, guide_seed, [&](uint32_t i, const vec2&) {
+        return samplePath(context, start, i, guide_seed, counters).all;
+    });
     Replicates all, diffuse;
     for (int replicate = 0; replicate < params.replicates; ++replicate) {
         const uint32_t seed = hashCombine(pixel_seed, static_cast<uint32_t>(replicate));
@@ -201,17 +206,33 @@ void estimateIndirect(const Context& context, Start& start, uint32_t pixel_seed,
     frame.indirect_diffuse_variance.at(x, y) = diffuse.varianceOfMean();
 }
 
+// A guide of where on the lamps the light of a pixel comes from: not from their backs, nor from
+// those that are far off or hidden.
+Guide learnLamps(const Context& context, const Start& start, uint32_t seed, Counters& counters) {
+    return learnGuide(context.guide_size, seed, [&](uint32_t, const vec2& u) {
+        const LightChoice lamp = context.lights.lamps.choose(start.p.rayOrigin(), u);
+        return scatterChosen(context.rays, start.p, start.sampler, lamp, counters).all;
+    });
+}
+
 // Adds the lamps' light to that of punctual lights, which has no variance.
 void estimateLamps(const Context& context, const Start& start, uint32_t pixel_seed, int x, int y,
                    Frame& frame, Counters& counters) {
+    const uint32_t direct_seed = hashCombine(pixel_seed, kDirectSeed);
+    const Guide guide = learnLamps(context, start, hashCombine(direct_seed, kGuideSeed), counters);
     Replicates lamps;
     for (int replicate = 0; replicate < context.params.replicates; ++replicate) {
-        const uint32_t seed =
-            hashCombine(hashCombine(pixel_seed, static_cast<uint32_t>(replicate)), kDirectSeed);
+        const uint32_t seed = hashCombine(direct_seed, static_cast<uint32_t>(replicate));
         dvec3 sum(0.0);
         for (int i = 0; i < context.samples_per_replicate; ++i) {
-            const vec3 sample = sampleLamps(context.rays, context.lights, start.p, start.sampler,
-                                            static_cast<uint32_t>(i), seed, counters);
+            const auto index = static_cast<uint32_t>(i);
+            const GuidedPoint guided = guide.warp(owenSobol(index, hashCombine(seed, kLampSeed)));
+            const LightChoice lamp = context.lights.lamps.choose(start.p.rayOrigin(), guided.u);
+            const vec3 sample =
+                guided.weight *
+                    scatterChosen(context.rays, start.p, start.sampler, lamp, counters).all +
+                lampsByBrdf(context.rays, context.lights, start.p, start.sampler,
+                            owenSobol(index, seed), counters);
             if (finite(sample)) {
                 sum += dvec3(sample);
             } else {

@@ -391,6 +391,7 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
 RenderResult Session::render(const RenderParams& params) {
     checkRenderMemory(scene_, params);
     RenderResult result = renderByMethod(params);
+    result.frame.shows_sky = scene_.environment.shows();
     // Users know the file's coordinates alone.
     for (size_t i = 0; i < result.frame.position.pixels.size(); ++i) {
         if (result.frame.primitive.pixels[i] != kNoPrimitive) {

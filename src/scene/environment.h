@@ -17,6 +17,7 @@ struct Environment {
     bool visible = true;    ///< shows where the camera sees no surface; lights in any case
 
     bool empty() const { return texels.empty(); }
+    bool shows() const { return visible && !empty(); }
     /// From a unit direction, that points away from the scene: bilinear between texel centres,
     /// around the seam; black where there is none.
     vec3 radiance(const vec3& direction) const;
