@@ -10,6 +10,8 @@ const std::vector<NamedScene>& allScenes() {
         {"atrium.glb", &atrium, true},
         {"corridor.glb", &corridor, true},
         {"ledges.glb", &ledges},
+        {"gallery.glb", &gallery},
+        {"lamp_room.glb", &lampRoom},
         {"furnace.glb", &furnace},
         {"sphere_room.glb", &sphereRoom},
     };

@@ -14,6 +14,8 @@ Model venusGlossy();
 Model atrium();
 Model corridor();
 Model ledges();
+Model gallery();
+Model lampRoom();
 Model furnace();
 Model sphereRoom();
 

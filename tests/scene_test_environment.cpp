@@ -1,12 +1,14 @@
 // The sky: where in its image a direction looks, and what becomes of files that hold it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "core/error.h"
 #include "image/exr.h"
 #include "image/hdr.h"
 #include "scene/environment.h"
+#include "scene/sun.h"
 #include "test_folder.h"
 
 namespace sheen {
@@ -193,6 +195,82 @@ TEST_F(EnvironmentFiles, OddTexelsAreMendedAndCounted) {
     ASSERT_EQ(warnings_.size(), 1u);
     EXPECT_NE(warnings_[0].find("twice as wide as high"), std::string::npos);
     expectError(writeSky(Image<vec3>(4, 2, vec3(2e12f))), ExitCode::kInput, "make it dimmer");
+}
+
+// ---- The sun ------------------------------------------------------------------------------------
+
+// A bluish sky, brighter toward the horizon, with a round sun of that radius, in degrees.
+Environment sunnySky(float radius, float radiance) {
+    Environment sky{.texels = Image<vec3>(720, 360), .rotation = 2.0f};
+    const vec3 toward = glm::normalize(vec3(0.5f, 0.4f, -0.3f));
+    for (int y = 0; y < 360; ++y) {
+        for (int x = 0; x < 720; ++x) {
+            const vec3 d = sky.directionFromImage((vec2(x, y) + 0.5f) / vec2(720, 360));
+            const float degrees = glm::degrees(std::acos(glm::min(glm::dot(d, toward), 1.0f)));
+            const vec3 air = d.y > 0.0f ? vec3(0.3f, 0.5f, 1.0f) * (1.5f - d.y) : vec3(0.1f);
+            sky.texels.at(x, y) =
+                air + (degrees < radius ? vec3(1.0f, 0.9f, 0.7f) * radiance : vec3(0.0f));
+        }
+    }
+    return sky;
+}
+
+glm::dvec3 irradianceFrom(const Environment& sky, const vec3& n) {
+    glm::dvec3 sum(0.0);
+    for (int y = 0; y < sky.texels.height; ++y) {
+        const double v = M_PI / sky.texels.height;
+        const double solid_angle =
+            2.0 * M_PI / sky.texels.width * (std::cos(v * y) - std::cos(v * (y + 1)));
+        for (int x = 0; x < sky.texels.width; ++x) {
+            const vec3 d = sky.directionFromImage((vec2(x, y) + 0.5f) /
+                                                  vec2(sky.texels.width, sky.texels.height));
+            sum += glm::dvec3(sky.texels.at(x, y)) * (solid_angle * std::max(0.0f, glm::dot(d, n)));
+        }
+    }
+    return sum;
+}
+
+TEST(Sun, IsTakenOutAndIrradianceStays) {
+    constexpr double kShare = 0.01;
+    for (const float radius : {0.3f, 1.5f}) {
+        const Environment before = sunnySky(radius, 20000.0f / (radius * radius));
+        Environment after = before;
+        const auto sun = takeOutSun(after);
+        ASSERT_TRUE(sun) << radius;
+        EXPECT_EQ(sun->kind, shared::LIGHT_DIRECTIONAL);
+        EXPECT_GT(-sun->direction.y, 0.5f);
+        for (const vec3& n : {vec3(0, 1, 0), vec3(1, 0, 0), vec3(0, 0, -1), vec3(-1, 0, 0),
+                              glm::normalize(vec3(0.5f, 0.4f, -0.3f))}) {
+            const glm::dvec3 whole = irradianceFrom(before, n);
+            const glm::dvec3 parts =
+                irradianceFrom(after, n) +
+                glm::dvec3(sun->intensity) *
+                    static_cast<double>(std::max(0.0f, glm::dot(n, -sun->direction)));
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_NEAR(parts[c], whole[c], kShare * whole[c]) << radius;
+            }
+        }
+        // What is left is smooth: no texel stands out, and there is no second sun.
+        EXPECT_LT(irradianceFrom(after, vec3(0, 1, 0)).x, 5.0);
+        EXPECT_LT(std::max_element(after.texels.pixels.begin(), after.texels.pixels.end(),
+                                   [](const vec3& a, const vec3& b) { return a.x < b.x; })
+                      ->x,
+                  1.0f);
+        EXPECT_FALSE(takeOutSun(after));
+    }
+}
+
+TEST(Sun, IsOnlyWhatIsSmallAndBright) {
+    Environment window = sunnySky(10.0f, 100.0f);
+    Environment dim = sunnySky(0.5f, 50.0f);
+    Environment uniform{.texels = Image<vec3>(1, 1, vec3(1.0f))};
+    Environment black{.texels = Image<vec3>(720, 360)};
+    Environment none;
+    for (Environment* sky : {&window, &dim, &uniform, &black, &none}) {
+        const std::vector<vec3> before = sky->texels.pixels;
+        EXPECT_FALSE(takeOutSun(*sky));
+        EXPECT_EQ(sky->texels.pixels, before);
+    }
 }
 
 }  // namespace

@@ -32,6 +32,8 @@ const std::map<std::string, Expected> kExpected = {
     {"cornell_glossy.glb", {0x2f9a97660af6509au, 30, 30, 1}},
     {"corridor.glb", {0xaadc1157dab7a341u, 80, 80, 5}},
     {"furnace.glb", {0x73d5882510290dd1u, 20492, 20492, 0}},
+    {"gallery.glb", {0xa381c891d43693dfu, 47800, 47800, 0}},
+    {"lamp_room.glb", {0xd6f450b57458d047u, 5730, 5730, 0}},
     {"ledges.glb", {0xd848d9e8fcc9ad38u, 870, 870, 2}},
     {"sphere_room.glb", {0xcd00d35897d7de3cu, 20480, 20480, 1}},
     {"venus_glossy.glb", {0xa522fe1e1b2b3a63u, 22000, 26000, 2}},

@@ -9,6 +9,7 @@
 
 #include "core/memory.h"
 #include "scene/gltf_parts.h"
+#include "scene/sun.h"
 
 namespace sheen {
 namespace gltf {
@@ -466,6 +467,13 @@ Scene loadScene(const std::string& path, const std::string& camera,
     scene.environment = loadEnvironment(environment, file.read, sky_warnings);
     for (const std::string& warning : sky_warnings) {
         file.notes.add(warning);
+    }
+    if (const auto sun = takeOutSun(scene.environment)) {
+        scene.lights.push_back(*sun);
+        scene.light_names.push_back("sun");
+        file.notes.add(fmt::format(
+            "{}: its sun, {:.3g} lux, is taken out of the image and shines as a directional light",
+            environment.source, luminance(sun->intensity)));
     }
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");
