@@ -11,13 +11,11 @@ namespace sheen {
 namespace {
 
 Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
-    const vec4& normal = gbuffer.normal.pixels[i];
-    const vec4& diffuse = gbuffer.diffuse.pixels[i];
-    return {.n = vec3(normal),
-            .brdf = {.diffuse = vec3(diffuse),
-                     .alpha = shared::alphaFromRoughness(normal.w),
+    return {.n = gbuffer.normal.pixels[i],
+            .brdf = {.diffuse = gbuffer.diffuse.pixels[i],
+                     .alpha = shared::alphaFromRoughness(gbuffer.roughness.pixels[i]),
                      .f0 = gbuffer.f0.pixels[i],
-                     .f90 = diffuse.w}};
+                     .f90 = gbuffer.f90.pixels[i]}};
 }
 
 }  // namespace
@@ -25,19 +23,20 @@ Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
 Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer) {
     constexpr int kPacket = Tracer::kPacket;
     const Scene& scene = tracer.scene();
-    Image<vec3> direct(gbuffer.width, gbuffer.height);
-    parallelFor(gbuffer.height, [&](int y) {
+    const PixelGrid& image = gbuffer.image;
+    Image<vec3> direct(image.width, image.height);
+    parallelFor(image.height, [&](int y) {
         size_t pixels[kPacket];
         SurfaceSide points[kPacket];
-        for (int x = 0; x < gbuffer.width;) {
+        for (int x = 0; x < image.width;) {
             // The row's next pixels that see something.
             size_t count = 0;
-            for (; x < gbuffer.width && count < kPacket; ++x) {
-                const int i = y * gbuffer.width + x;
+            for (; x < image.width && count < kPacket; ++x) {
+                const size_t i = image.index(x, y);
                 if (!gbuffer.seen(i)) {
                     continue;
                 }
-                pixels[count] = static_cast<size_t>(i);
+                pixels[count] = i;
                 points[count++] = gbuffer.sideAt(scene, i);
             }
             for (const PunctualLight& light : scene.lights) {
@@ -57,14 +56,13 @@ Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GB
         return direct;
     }
     const auto pointAt = [&](int x, int y) -> std::optional<LitPoint> {
-        const int i = y * gbuffer.width + x;
+        const size_t i = image.index(x, y);
         if (!gbuffer.seen(i)) {
             return std::nullopt;
         }
-        return LitPoint{.side = gbuffer.sideAt(scene, i),
-                        .surface = scattererAt(gbuffer, static_cast<size_t>(i))};
+        return LitPoint{.side = gbuffer.sideAt(scene, i), .surface = scattererAt(gbuffer, i)};
     };
-    const Image<vec3> of_lamps = lampLight(tracer, lamps, gbuffer.width, gbuffer.height, pointAt);
+    const Image<vec3> of_lamps = lampLight(tracer, lamps, image.width, image.height, pointAt);
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
         direct.pixels[i] += of_lamps.pixels[i];
     }

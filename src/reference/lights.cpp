@@ -24,14 +24,6 @@ Barycentric uniformPoint(const vec2& u) {
     return {root * (1.0f - u.y), root * u.y};
 }
 
-<<<<<<< HEAD
-=======
-template <class T>
-T interpolate(const std::vector<T>& values, const uvec3& t, const Barycentric& at) {
-    return (1.0f - at.u - at.v) * values[t.x] + at.u * values[t.y] + at.v * values[t.z];
-}
-
->>>>>>> main
 float areaOf(const Scene& scene, uint32_t triangle) {
     const uvec3& t = scene.triangles[triangle];
     const glm::dvec3 p0(scene.positions[t.x]);
@@ -99,11 +91,7 @@ LightChoice Lamps::choose(const vec3& from, const vec2& u) const {
     if (distance > 0.0f && cosine > 0.0f) {
         choice.way = {
             .origin = from, .direction = way / distance, .distance = distance * kWayShare};
-<<<<<<< HEAD
         choice.radiance = emissionAt(scene_, triangle, barycentric);
-=======
-        choice.radiance = emissionAt(scene_, triangle, vec3(1.0f - at.u - at.v, at.u, at.v));
->>>>>>> main
         choice.pdf = densities_[triangle] * distance * distance / cosine;
     }
     return choice;
