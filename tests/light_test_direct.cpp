@@ -24,6 +24,7 @@ class TracedDirect : public testing::TestWithParam<const char*> {};
 TEST_P(TracedDirect, IsTheReferencesButForEdges) {
     const Scene scene = loadScene(fmt::format("{}/{}.glb", SHEEN_SCENES, GetParam()));
     const GBuffer gbuffer = unlit(scene);
+    const Tracer tracer(scene);
     const Image<vec3> direct = traceDirect(tracer, LampSampler(tracer), gbuffer);
     const Frame truth = firstHits(scene, kSize, kSize);
     int compared = 0, lit = 0, differ = 0;
@@ -58,7 +59,9 @@ TEST(TracedDirect, BlackWithoutLightsOrGeometry) {
     Scene empty;
     empty.cameras.push_back(lookAt(vec3(0.0f), vec3(0, 0, -1)));
     for (const Scene& scene : {dark, empty}) {
-        for (const vec3& pixel : traceDirect(Tracer(scene), LampSampler(Tracer(scene)), unlit(scene)).pixels) {
+        const Tracer tracer(scene);
+        const Image<vec3> direct = traceDirect(tracer, LampSampler(tracer), unlit(scene));
+        for (const vec3& pixel : direct.pixels) {
             ASSERT_EQ(pixel, vec3(0.0f));
         }
     }

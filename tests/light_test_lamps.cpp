@@ -135,13 +135,19 @@ TEST(LightTree, ChoosesAsOftenAsItSaysAndNoLightBelowTheHorizon) {
             EXPECT_EQ(probabilities.back(), 0.0) << i;
         }
     }
-    EXPECT_NEAR(all, 1.0, 1e-4);
+    // What is left leads to lights below the horizon.
+    EXPECT_LE(all, 1.0 + 1e-4);
+    EXPECT_GT(all, 0.5);
     constexpr int kCount = 1 << 16;
     std::vector<int> chosen(lights.size());
+    int none = 0;
     for (int i = 0; i < kCount; ++i) {
         const auto choice =
             tree.choose(p, kUp, (static_cast<float>(i) + 0.5f) / static_cast<float>(kCount));
-        ASSERT_TRUE(choice);
+        none += choice ? 0 : 1;
+        if (!choice) {
+            continue;
+        }
         EXPECT_NEAR(choice->probability, probabilities[choice->light], 1e-5);
         EXPECT_GE(choice->u, 0.0f);
         EXPECT_LT(choice->u, 1.0f);
@@ -150,6 +156,7 @@ TEST(LightTree, ChoosesAsOftenAsItSaysAndNoLightBelowTheHorizon) {
     for (size_t i = 0; i < lights.size(); ++i) {
         EXPECT_NEAR(chosen[i], probabilities[i] * kCount, 4.0) << i;
     }
+    EXPECT_NEAR(none, (1.0 - all) * kCount, 40.0);
     EXPECT_FALSE(LightTree().choose(p, kUp, 0.5f));
 }
 
@@ -244,7 +251,7 @@ TEST(SkySampler, SamplesAddUpToTheLightOfTheWholeSky) {
 }
 
 // A lamp and its shade over a floor, rough or polished: penumbrae, and the lamp's image in the
-// floor. Root mean square over the mean, in luminance.
+// floor. Root mean square of green over its mean, the reference's noise taken off.
 TEST(TracedDirect, OfLampsIsTheReferences) {
     constexpr int kSize = 48;
     constexpr double kNoise = 0.02;
@@ -269,9 +276,9 @@ TEST(TracedDirect, OfLampsIsTheReferences) {
                                                               .quiet = true});
         double squares = 0.0, mean = 0.0;
         for (size_t i = 0; i < direct.pixels.size(); ++i) {
-            const double expected = luminance(truth.frame.direct.pixels[i]);
-            const double off = luminance(direct.pixels[i]) - expected;
-            squares += off * off;
+            const double expected = truth.frame.direct.pixels[i].y;
+            const double off = direct.pixels[i].y - expected;
+            squares += off * off - truth.frame.direct_variance.pixels[i].y;
             mean += expected;
         }
         const auto count = static_cast<double>(direct.pixels.size());

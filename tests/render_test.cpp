@@ -42,15 +42,17 @@ TEST(Furnace, DiffuseSurfacesReflectTheirAlbedo) {
     for (GatherRoad road : kRoads) {
         SCOPED_TRACE(nameOf(road));
         for (Method method : {Method::kRadiance, Method::kIrradiance}) {
-            const RenderResult result =
-                renderFrame(furnace(diffuseParams(albedo), Le), smallRender(48, 48, method, road));
+            const RenderResult result = renderFrame(furnace(diffuseParams(albedo), Le, road),
+                                                    smallRender(48, 48, method, road));
             expectSane(result, 48, 48);
             for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+                const bool seen = result.frame.primitive.pixels[i] != kNoPrimitive;
                 for (int c = 0; c < 3; ++c) {
-                    const float expected = albedo[c] * Le[c];
+                    const float expected = seen ? albedo[c] * Le[c] : 0.0f;
                     EXPECT_NEAR(result.frame.indirect.pixels[i][c], expected,
                                 kFurnaceError * expected);
-                    EXPECT_NEAR(result.frame.emission.pixels[i][c], Le[c], 1e-5f);
+                    const bool shows = !seen || road == GatherRoad::kRaster;
+                    EXPECT_NEAR(result.frame.emission.pixels[i][c], shows ? Le[c] : 0.0f, 1e-5f);
                 }
             }
         }
@@ -65,12 +67,15 @@ TEST(Furnace, GlossySurfacesReflectTheirWholeAlbedo) {
         for (const auto& [metallic, roughness] :
              {std::pair(0.0f, 0.5f), std::pair(1.0f, 0.4f), std::pair(1.0f, 0.8f),
               std::pair(0.5f, 0.3f), std::pair(1.0f, 0.0f), std::pair(0.0f, 0.1f)}) {
-            const Scene scene = furnace(glossyParams(base, metallic, roughness), Le);
+            const Scene scene = furnace(glossyParams(base, metallic, roughness), Le, road);
             const RenderResult result =
                 renderFrame(scene, smallRender(40, 40, Method::kRadiance, road));
             expectSane(result, 40, 40);
             const vec3 eye(scene.cameras[0].world_from_camera[3]);
             for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+                if (result.frame.primitive.pixels[i] == kNoPrimitive) {
+                    continue;
+                }
                 const vec3 wo = glm::normalize(eye - result.frame.position.pixels[i]);
                 const vec2 ab = brdfAlbedo(glm::dot(result.frame.normal.pixels[i], wo), roughness);
                 const Brdf brdf = shared::makeBrdf(scene.materials[0].params, ab);
@@ -81,6 +86,21 @@ TEST(Furnace, GlossySurfacesReflectTheirWholeAlbedo) {
                         << "metallic " << metallic << " roughness " << roughness << " pixel " << i;
                 }
             }
+        }
+    }
+}
+
+// Lamps all around light directly, and once more by way of each other.
+TEST(Furnace, LampsAllAroundLightDirectly) {
+    const vec3 albedo(0.8f, 0.5f, 0.2f), Le(1.0f, 2.0f, 3.0f);
+    const RenderResult result =
+        renderFrame(glowingRoom(diffuseParams(albedo), Le), smallRender(12, 12, Method::kRadiance));
+    for (size_t i = 0; i < result.frame.direct.pixels.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            const float once = albedo[c] * Le[c];
+            EXPECT_NEAR(result.frame.direct.pixels[i][c], once, 0.1f * once);
+            EXPECT_NEAR(result.frame.indirect.pixels[i][c], albedo[c] * once,
+                        0.05f * albedo[c] * once);
         }
     }
 }
@@ -107,8 +127,9 @@ TEST(TooGlossy, MirrorShowsTheRoom) {
         const vec3 eye(scene.cameras[0].world_from_camera[3]);
         int mirrored = 0, agree = 0;
         for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+            const vec3 reflected = result.frame.direct.pixels[i] + result.frame.indirect.pixels[i];
             if (result.frame.primitive.pixels[i] < 12u) {
-                EXPECT_EQ(result.frame.indirect.pixels[i], vec3(0.0f));  // black walls
+                EXPECT_EQ(reflected, vec3(0.0f));  // black walls
                 continue;
             }
             // Where the reflected ray leaves the box.
@@ -128,7 +149,7 @@ TEST(TooGlossy, MirrorShowsTheRoom) {
             const float fresnel = f0 + (1.0f - f0) * shared::schlickWeight(d.y);
             ++mirrored;
             // Pixels whose narrow lobe crosses an edge between two walls see both.
-            agree += std::abs(result.frame.indirect.pixels[i].x - fresnel * seen) < 0.02f * seen;
+            agree += std::abs(reflected.x - fresnel * seen) < 0.02f * seen;
         }
         EXPECT_GT(mirrored, 48 * 48 / 4);
         EXPECT_GT(agree, mirrored * 97 / 100);

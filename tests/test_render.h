@@ -27,13 +27,27 @@ inline RenderParams smallRender(int width, int height, Method method = Method::k
 }
 
 /// A closed room with a box in it whose every surface emits `emission` and has `material`.
-inline Scene furnace(MaterialParams material, const vec3& emission) {
+inline Scene glowingRoom(MaterialParams material, const vec3& emission) {
     Scene scene;
     material.emission = emission;
     const uint32_t m = addMaterial(scene, material);
     addBox(scene, vec3(-1), vec3(1), m, true);
     addBox(scene, vec3(-0.6f, -1.0f, -0.5f), vec3(0.0f, -0.4f, 0.1f), m, false);
     scene.cameras.push_back(lookAt(vec3(0.1f, 0.1f, 0.95f), vec3(0.0f, -0.5f, -0.3f)));
+    return scene;
+}
+
+/// A scene in which the same light `radiance` arrives from everywhere and each surface has
+/// `material`: a box under a sky or, where records rasterise and know none, in a glowing room.
+inline Scene furnace(const MaterialParams& material, const vec3& radiance, GatherRoad road) {
+    if (road == GatherRoad::kRaster) {
+        return glowingRoom(material, radiance);
+    }
+    Scene scene;
+    addBox(scene, vec3(-0.6f, -1.0f, -0.5f), vec3(0.3f, -0.4f, 0.1f), addMaterial(scene, material),
+           false);
+    scene.environment.texels = Image<vec3>(1, 1, radiance);
+    scene.cameras.push_back(lookAt(vec3(0.1f, 0.1f, 0.95f), vec3(-0.1f, -0.7f, -0.2f)));
     return scene;
 }
 
