@@ -223,19 +223,36 @@ TEST(MaterialOrder, TexturesCountByTheirDarkTexels) {
     const int black = materialOrder(glossyParams(vec3(0.0f), 0.0f, 0.9f), 0);
     ASSERT_GT(black, white);
     EXPECT_EQ(materialOrder(scene, material, 0), white);
-    material.base_color_texture = 0;
     const auto order = [&](int black_texels) {
-        scene.textures.assign(1, {});
-        scene.textures[0].texels.assign(100, vec3(1.0f));
-        std::fill_n(scene.textures[0].texels.end() - black_texels, black_texels, vec3(0.0f));
+        std::vector<vec3> texels(100, vec3(1.0f));
+        std::fill_n(texels.end() - black_texels, black_texels, vec3(0.0f));
+        material.textures[shared::TEXTURE_BASE_COLOR].texture = addTexture(scene, 10, 10, texels);
         return materialOrder(scene, material, 0);
     };
     EXPECT_EQ(order(0), white);
     EXPECT_EQ(order(5), white);
     EXPECT_EQ(order(6), black);
     EXPECT_EQ(order(100), black);
-    scene.textures[0].texels.assign(1, vec3(0.0f));
+    material.textures[shared::TEXTURE_BASE_COLOR].texture = addTexture(scene, 1, 1, {vec3(0.0f)});
     EXPECT_EQ(materialOrder(scene, material, 0), black);
+}
+
+TEST(MaterialOrder, RoughnessTexturesCountByTheirSmoothTexels) {
+    Scene scene;
+    Material material;
+    material.params = glossyParams(vec3(0.5f), 1.0f, 0.8f);
+    const int rough = materialOrder(material.params, 0);
+    const int smooth = materialOrder(glossyParams(vec3(0.5f), 1.0f, 0.4f), 0);
+    ASSERT_GT(smooth, rough);
+    const auto order = [&](int smooth_texels) {
+        std::vector<vec3> texels(100, vec3(0, 1, 1));
+        std::fill_n(texels.begin(), smooth_texels, vec3(0, 0.5f, 1));
+        material.textures[shared::TEXTURE_METALLIC_ROUGHNESS].texture =
+            addTexture(scene, 10, 10, texels);
+        return materialOrder(scene, material, 0);
+    };
+    EXPECT_EQ(order(5), rough);
+    EXPECT_EQ(order(6), smooth);
 }
 
 // Of a wall whose order misses more than the budget where it is seen at a grazing angle, rays

@@ -50,17 +50,35 @@ std::vector<uint8_t> encodePng(Png png) {
     return file;
 }
 
-std::vector<int> decoded(const std::vector<uint8_t>& file) {
+// Red, green and blue, or alpha alone.
+enum class Channels { kColors, kAlpha };
+
+std::vector<int> decoded(const std::vector<uint8_t>& file, Channels wanted = Channels::kColors) {
     const ImageHeader header = readImageHeader(file);
     const DecodedImage image = decodeImage(file);
     EXPECT_EQ(image.width, header.width);
     EXPECT_EQ(image.height, header.height);
-    EXPECT_EQ(image.rgb.size(), 3u * static_cast<size_t>(header.width * header.height));
-    return {image.rgb.begin(), image.rgb.end()};
+    EXPECT_EQ(image.rgba.size(), 4u * static_cast<size_t>(header.width * header.height));
+    std::vector<int> values;
+    for (size_t i = 0; i < image.rgba.size(); ++i) {
+        if ((i % 4 == 3) == (wanted == Channels::kAlpha)) {
+            values.push_back(image.rgba[i]);
+        }
+    }
+    return values;
 }
 
 // Eight bits in sixteen.
 constexpr int wide(int value) { return 257 * value; }
+
+TEST(DecodePng, AlphaIsKeptAndOneWhereThereIsNone) {
+    EXPECT_EQ(
+        decoded(encodePng({PNG_COLOR_TYPE_GRAY_ALPHA, 8, 1, {{9, 0}, {9, 51}}}), Channels::kAlpha),
+        (std::vector<int>{0, wide(51)}));
+    EXPECT_EQ(
+        decoded(encodePng({.width = 1, .rows = {{1, 2, 3}, {255, 128, 0}}}), Channels::kAlpha),
+        (std::vector<int>{65535, 65535}));
+}
 
 TEST(DecodePng, EveryKindGivesWhatIsStored) {
     EXPECT_EQ(decoded(encodePng({.width = 1, .rows = {{1, 2, 3}, {255, 128, 0}}})),

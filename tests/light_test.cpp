@@ -195,18 +195,16 @@ TEST(ScatteredOnce, LightsBelowEitherHorizonDoNotLight) {
 TEST(ScatteredOnce, BaseColourTexture) {
     // One row of four texels across the floor, red to black.
     Scene scene = floorOf(diffuseParams(vec3(0.5f, 1.0f, 1.0f)));
-    scene.textures.push_back(
-        {.width = 4,
-         .height = 1,
-         .texels = {vec3(0.8f, 0, 0), vec3(0, 0.6f, 0), vec3(0, 0, 0.4f), vec3(0.0f)},
-         .wrap = ivec2(shared::WRAP_CLAMP)});
-    scene.materials[0].base_color_texture = 0;
+    const std::vector<vec3> texels = {vec3(0.8f, 0, 0), vec3(0, 0.6f, 0), vec3(0, 0, 0.4f),
+                                      vec3(0.0f)};
+    scene.materials[0].textures[shared::TEXTURE_BASE_COLOR].texture =
+        addTexture(scene, 4, 1, texels, shared::WRAP_CLAMP);
     scene.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     scene.lights.push_back(directionalLight(vec3(0, -1, 0), vec3(kPi)));
     const LitScene rays(scene);
     for (int i = 0; i < 4; ++i) {
         const vec3 p(-3.0f + 2.0f * static_cast<float>(i), 0, 0.7f);  // texels' middles
-        const vec3 texel = scene.textures[0].texels[static_cast<size_t>(i)];
+        const vec3& texel = texels[static_cast<size_t>(i)];
         // Middles are hit to within rounding: a trace of the neighbour.
         const vec3 seen(castAt(rays, kEye, p));
         for (int c = 0; c < 3; ++c) {

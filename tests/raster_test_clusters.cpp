@@ -97,7 +97,7 @@ std::deque<NamedScene> scenes() {
     addCrumbs(several, 100, other);
 
     Scene& textured = add("textured sphere");
-    textured.materials[0].base_color_texture = 0;
+    textured.materials[0].textures[shared::TEXTURE_BASE_COLOR].texture = 0;
     addSphere(textured, vec3(0), 1.0f, 20, 0);
 
     Scene& two_sided = add("two-sided sheet");

@@ -13,6 +13,7 @@
 
 #include "core/error.h"
 #include "scene/scene.h"
+#include "scenes/png.h"
 #include "test_folder.h"
 
 namespace sheen {
@@ -104,6 +105,30 @@ inline const std::vector<float> kTriangle = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 inline GltfFile oneTriangle() {
     GltfFile file;
     file.addPrimitive(kTriangle);
+    return file;
+}
+
+/// Adds a texture of such an image, and returns its index.
+inline int addPicture(GltfFile& file, const scenes::Picture& picture) {
+    Json& json = file.json;
+    json["images"].push_back(
+        {{"bufferView", file.addView(scenes::encodePng(picture))}, {"mimeType", "image/png"}});
+    json["textures"].push_back({{"source", json["images"].size() - 1}});
+    return static_cast<int>(json["textures"].size()) - 1;
+}
+
+/// A triangle with a 2 x 2 texture: black, white / mid grey, red.
+inline GltfFile textured() {
+    GltfFile file = oneTriangle();
+    addPicture(file, {2, 2, {{{0, 0, 0}}, {{255, 255, 255}}, {{128, 128, 128}}, {{255, 0, 0}}}});
+    file.json["samplers"] = Json::array({{{"wrapS", 33071}, {"wrapT", 33648}}});
+    file.json["textures"][0]["sampler"] = 0;
+    file.json["materials"] =
+        Json::array({{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}});
+    Json& primitive = file.json["meshes"][0]["primitives"][0];
+    primitive["material"] = 0;
+    primitive["attributes"]["TEXCOORD_0"] =
+        file.addAccessor<float>({0, 0, 1, 0, 0, 1}, kFloat, "VEC2", 2);
     return file;
 }
 

@@ -8,6 +8,7 @@
 
 #include "scene/brdf_albedo.h"
 #include "scene/scene.h"
+#include "test_scenes.h"
 
 namespace sheen {
 namespace {
@@ -232,39 +233,53 @@ TEST(Texture, WrapModesMapEveryTexel) {
     EXPECT_EQ(row(shared::WRAP_MIRROR), (std::vector<int>{2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 0, 1}));
 }
 
-Scene checkered(int wrap) {
+// A triangle of one pair of texture coordinates under a texture of two texels, black and white.
+struct Checkered {
+    explicit Checkered(int wrap, const vec3& factor = vec3(1.0f)) {
+        scene.materials.emplace_back();
+        scene.materials[0].textures[shared::TEXTURE_BASE_COLOR].texture =
+            addTexture(scene, 2, 1, {vec3(0.0f), vec3(1.0f)}, wrap);
+        scene.materials[0].params.base_color = factor;
+        scene.triangles.emplace_back(0, 0, 0);
+        scene.materials_of.push_back(0);
+    }
+    vec3 at(float u) {
+        scene.uvs.assign(1, vec2(u, 0.3f));
+        return materialAt(scene, 0, vec3(1, 0, 0)).base_color;
+    }
+
     Scene scene;
-    scene.textures.push_back(
-        {.width = 2, .height = 1, .texels = {vec3(0.0f), vec3(1.0f)}, .wrap = glm::ivec2(wrap)});
-    return scene;
-}
+};
 
 TEST(Texture, IsBilinearBetweenTexelCentresAndScaledByTheFactor) {
-    const Scene scene = checkered(shared::WRAP_CLAMP);
-    Material material;
-    material.base_color_texture = 0;
-    material.params.base_color = vec3(0.5f, 1.0f, 2.0f);
-    const auto at = [&](float u) { return materialAt(scene, material, vec2(u, 0.3f)).base_color; };
-    EXPECT_EQ(at(0.25f), vec3(0.0f));
-    EXPECT_EQ(at(0.75f), vec3(0.5f, 1.0f, 2.0f));
-    EXPECT_EQ(at(0.5f), vec3(0.25f, 0.5f, 1.0f));
-    EXPECT_EQ(at(-3.0f), vec3(0.0f));
-    EXPECT_EQ(at(3.0f), vec3(0.5f, 1.0f, 2.0f));
+    Checkered texture(shared::WRAP_CLAMP, vec3(0.5f, 1.0f, 2.0f));
+    EXPECT_EQ(texture.at(0.25f), vec3(0.0f));
+    EXPECT_EQ(texture.at(0.75f), vec3(0.5f, 1.0f, 2.0f));
+    EXPECT_EQ(texture.at(0.5f), vec3(0.25f, 0.5f, 1.0f));
+    EXPECT_EQ(texture.at(-3.0f), vec3(0.0f));
+    EXPECT_EQ(texture.at(3.0f), vec3(0.5f, 1.0f, 2.0f));
 }
 
 TEST(Texture, RepeatsAndMirrorsFarOut) {
-    Material material;
-    material.base_color_texture = 0;
-    material.params.base_color = vec3(1.0f);
-    const Scene repeat = checkered(shared::WRAP_REPEAT);
-    const Scene mirror = checkered(shared::WRAP_MIRROR);
+    Checkered repeat(shared::WRAP_REPEAT);
+    Checkered mirror(shared::WRAP_MIRROR);
     for (const float turn : {-1000.0f, -2.0f, 0.0f, 2.0f, 1000.0f}) {
-        EXPECT_EQ(materialAt(repeat, material, vec2(turn + 0.75f, 0)).base_color.x, 1.0f);
-        EXPECT_EQ(materialAt(repeat, material, vec2(turn + 1.75f, 0)).base_color.x, 1.0f);
-        EXPECT_EQ(materialAt(mirror, material, vec2(turn + 0.75f, 0)).base_color.x, 1.0f);
-        EXPECT_EQ(materialAt(mirror, material, vec2(turn + 1.75f, 0)).base_color.x, 0.0f);
+        EXPECT_EQ(repeat.at(turn + 0.75f).x, 1.0f);
+        EXPECT_EQ(repeat.at(turn + 1.75f).x, 1.0f);
+        EXPECT_EQ(mirror.at(turn + 0.75f).x, 1.0f);
+        EXPECT_EQ(mirror.at(turn + 1.75f).x, 0.0f);
     }
-    EXPECT_EQ(materialAt(repeat, material, vec2(0.0f, 0)).base_color.x, 0.5f) << "across the seam";
+    EXPECT_EQ(repeat.at(0.0f).x, 0.5f) << "across the seam";
+}
+
+TEST(Texture, NearestIsNotInterpolated) {
+    Checkered texture(shared::WRAP_REPEAT);
+    texture.scene.textures[0].nearest = true;
+    EXPECT_EQ(texture.at(0.01f).x, 0.0f);
+    EXPECT_EQ(texture.at(0.49f).x, 0.0f);
+    EXPECT_EQ(texture.at(0.51f).x, 1.0f);
+    EXPECT_EQ(texture.at(0.99f).x, 1.0f);
+    EXPECT_EQ(texture.at(1.01f).x, 0.0f);
 }
 
 }  // namespace

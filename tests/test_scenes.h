@@ -36,6 +36,25 @@ inline uint32_t addMaterial(Scene& scene, const MaterialParams& params) {
     return static_cast<uint32_t>(scene.materials.size() - 1);
 }
 
+/// Texels in linear light, [y][x], rounded to 16 bits. The texture's index.
+inline int addTexture(Scene& scene, int width, int height, const std::vector<vec3>& texels,
+                      int wrap = shared::WRAP_REPEAT) {
+    TextureImage image;
+    image.width = width;
+    image.height = height;
+    for (const vec3& texel : texels) {
+        for (const float value : {texel.x, texel.y, texel.z, 1.0f}) {
+            image.words.push_back(static_cast<uint16_t>(std::lround(65535.0f * value)));
+        }
+    }
+    scene.images.push_back(image);
+    Texture texture;
+    texture.image = static_cast<int>(scene.images.size()) - 1;
+    texture.wrap = glm::ivec2(wrap);
+    scene.textures.push_back(texture);
+    return static_cast<int>(scene.textures.size()) - 1;
+}
+
 inline uint32_t addVertex(Scene& scene, const vec3& p, const vec3& n) {
     scene.positions.push_back(p);
     scene.normals.push_back(n);

@@ -3,6 +3,7 @@
 // as single precision allows.
 #include "shared/brdf.glsl"
 #include "shared/light.glsl"
+#include "shared/texture.glsl"
 
 struct PackedTriangle {
     vec3 p0; uint material;
@@ -13,21 +14,35 @@ struct PackedTriangle {
     vec3 n2; float uv2_x;
     float uv2_y; uint pad1; float lod_error; float pad0;
 };
+struct PackedTexture {
+    TextureTransform transform;
+    int uv_set;
+    int first;    // texel index of level 0, -1: no texture
+    int levels;
+    int nearest;  // not interpolated
+    ivec2 size;
+    ivec2 wrap;
+    ivec2 pad;
+};
 struct PackedMaterial {
     MaterialParams params;
-    int texture_first;   // texel index of level 0, -1: no texture
-    int texture_levels;
-    int texture_width;
-    int texture_height;
-    ivec2 texture_wrap;
+    int unlit;
     int pad0;
     int pad1;
+    int pad2;
+    PackedTexture textures[TEXTURE_USES];
+};
+struct PackedCorner {
+    vec4 color;
+    vec2 second_uv;
+    vec2 pad;
 };
 layout(std430, binding = 1) readonly buffer Triangles { PackedTriangle triangles[]; };
 layout(std430, binding = 2) readonly buffer Materials { PackedMaterial materials[]; };
 layout(std430, binding = 3) readonly buffer Texels { uvec2 texels[]; };
 layout(std430, binding = 4) readonly buffer Lights { PunctualLight lights[]; };
 layout(std430, binding = 5) readonly buffer AlbedoTable { vec2 albedo_table[]; };
+layout(std430, binding = 7) readonly buffer Corners { PackedCorner corners[]; };  // three a triangle
 uniform int light_count;
 
 struct Surface {
@@ -39,25 +54,83 @@ struct Surface {
     float lod_error; // how far the true surface may lie from p
 };
 
-vec3 texelColor(int index) {
+vec4 texelAt(int index) {
     uvec2 halves = texels[index];
-    return vec3(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y).x);
+    return vec4(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y));
 }
 
-vec3 textureColor(PackedMaterial m, vec2 uv, float level) {
-    int first = m.texture_first;
-    ivec2 size = ivec2(m.texture_width, m.texture_height);
-    int steps = int(clamp(level + 0.5, 0.0, float(m.texture_levels - 1)));
+// `m.textures[use]` is never copied: it would cost more than the look-up.
+vec4 texelOf(uint material, int use, vec2 uv, float level) {
+    int first = materials[material].textures[use].first;
+    ivec2 size = materials[material].textures[use].size;
+    ivec2 wrap = materials[material].textures[use].wrap;
+    int steps = int(clamp(level + 0.5, 0.0, float(materials[material].textures[use].levels - 1)));
     for (int i = 0; i < steps; ++i) {
         first += size.x * size.y;
         size = max(size / 2, ivec2(1));
     }
-    TextureTaps t = textureTaps(uv, size, m.texture_wrap);
-    vec3 lower = mix(texelColor(first + t.lower.y * size.x + t.lower.x),
-                     texelColor(first + t.lower.y * size.x + t.upper.x), t.fraction.x);
-    vec3 upper = mix(texelColor(first + t.upper.y * size.x + t.lower.x),
-                     texelColor(first + t.upper.y * size.x + t.upper.x), t.fraction.x);
+    if (materials[material].textures[use].nearest != 0) {
+        ivec2 at = nearestTaps(uv, size, wrap).lower;
+        return texelAt(first + at.y * size.x + at.x);
+    }
+    TextureTaps t = textureTaps(uv, size, wrap);
+    vec4 lower = mix(texelAt(first + t.lower.y * size.x + t.lower.x),
+                     texelAt(first + t.lower.y * size.x + t.upper.x), t.fraction.x);
+    vec4 upper = mix(texelAt(first + t.upper.y * size.x + t.lower.x),
+                     texelAt(first + t.upper.y * size.x + t.upper.x), t.fraction.x);
     return mix(lower, upper, t.fraction.y);
+}
+
+// A triangle's corners as one of its material's textures takes them.
+struct CornerUvs {
+    vec2 uv0;
+    vec2 uv1;
+    vec2 uv2;
+};
+
+CornerUvs cornerUvs(uint triangle, uint material, int use) {
+    PackedTriangle t = triangles[triangle];
+    CornerUvs c = CornerUvs(vec2(t.uv0_x, t.uv0_y), vec2(t.uv1_x, t.uv1_y), vec2(t.uv2_x, t.uv2_y));
+#ifdef CORNERS
+    if (materials[material].textures[use].uv_set == 1) {
+        c = CornerUvs(corners[3u * triangle].second_uv, corners[3u * triangle + 1u].second_uv,
+                      corners[3u * triangle + 2u].second_uv);
+    }
+#endif
+    TextureTransform transform = materials[material].textures[use].transform;
+    return CornerUvs(transformedUv(transform, c.uv0), transformedUv(transform, c.uv1),
+                     transformedUv(transform, c.uv2));
+}
+
+// The material at barycentric coordinates `b` of a triangle. `footprint_over_area2` is what a look
+// stands for, of twice the triangle's area; 0 reads the finest level.
+MaterialParams materialAt(uint triangle, uint material, vec3 b, float footprint_over_area2) {
+    MaterialParams params = materials[material].params;
+#ifdef TEXTURED
+    for (int use = 0; use < TEXTURE_USES; ++use) {
+        if (materials[material].textures[use].first < 0) {
+            continue;
+        }
+        CornerUvs c = cornerUvs(triangle, material, use);
+        float level = 0.0;
+        if (footprint_over_area2 > 0.0) {
+            vec2 d1 = c.uv1 - c.uv0;
+            vec2 d2 = c.uv2 - c.uv0;
+            ivec2 size = materials[material].textures[use].size;
+            float texels_seen = footprint_over_area2 * abs(d1.x * d2.y - d1.y * d2.x) *
+                                float(size.x * size.y);
+            level = 0.5 * log2(max(texels_seen, 1.0));
+        }
+        vec2 uv = b.x * c.uv0 + b.y * c.uv1 + b.z * c.uv2;
+        params = withTexel(params, use, texelOf(material, use, uv, level));
+    }
+#endif
+#ifdef CORNERS
+    vec4 color = b.x * corners[3u * triangle].color + b.y * corners[3u * triangle + 1u].color +
+                 b.z * corners[3u * triangle + 2u].color;
+    params = withVertexColor(params, vec3(color), materials[material].unlit != 0);
+#endif
+    return params;
 }
 
 // The point where a ray from `origin` meets a triangle that the rasteriser said it meets: clamped
@@ -88,27 +161,9 @@ Surface surfaceAt(uint triangle, vec3 origin, vec3 direction, float texel_solid_
     vec3 n = interpolatedNormal(b0 * t.n0 + b1 * t.n1 + b2 * t.n2, surface.n_g);
     surface.n = shadingNormal(n, surface.n_g, wo);
     surface.lod_error = t.lod_error;
-    PackedMaterial m = materials[t.material];
-    surface.material = m.params;
-#ifdef TEXTURED
-    if (m.texture_first >= 0) {
-        vec2 uv0 = vec2(t.uv0_x, t.uv0_y);
-        vec2 uv1 = vec2(t.uv1_x, t.uv1_y);
-        vec2 uv2 = vec2(t.uv2_x, t.uv2_y);
-        float level = 0.0;
-        if (texel_solid_angle > 0.0) {
-            vec2 d1 = uv1 - uv0;
-            vec2 d2 = uv2 - uv0;
-            float uv_area2 = abs(d1.x * d2.y - d1.y * d2.x);
-            float footprint = texel_solid_angle * surface.distance * surface.distance /
-                              max(abs(dot(surface.n_g, wo)), 0.05);
-            float texels_seen = footprint * uv_area2 / area2 *
-                                float(m.texture_width * m.texture_height);
-            level = 0.5 * log2(max(texels_seen, 1.0));
-        }
-        surface.material.base_color *= textureColor(m, b0 * uv0 + b1 * uv1 + b2 * uv2, level);
-    }
-#endif
+    float footprint = texel_solid_angle * surface.distance * surface.distance /
+                      max(abs(dot(surface.n_g, wo)), 0.05);
+    surface.material = materialAt(triangle, t.material, vec3(b0, b1, b2), footprint / area2);
     return surface;
 }
 

@@ -48,41 +48,4 @@ FN LightSample sampleLight(IN(PunctualLight) light, IN(vec3) p) {
     return s;
 }
 
-const int WRAP_REPEAT = 0;
-const int WRAP_CLAMP = 1;
-const int WRAP_MIRROR = 2;
-
-FN int wrapTexel(int i, int size, int wrap) {
-    if (wrap == WRAP_CLAMP) {
-        return clamp(i, 0, size - 1);
-    }
-    int period = wrap == WRAP_MIRROR ? 2 * size : size;
-    // In GLSL % of a negative number is undefined.
-    int j = i < 0 ? period - 1 - (-1 - i) % period : i % period;
-    return j < size ? j : period - 1 - j;
-}
-
-// The four texels of a bilinear lookup, and the fraction between them.
-struct TextureTaps {
-    ivec2 lower;
-    ivec2 upper;
-    vec2 fraction;
-};
-
-// uv as in glTF: (0, 0) is the corner of the first texel of the first row.
-FN TextureTaps textureTaps(IN(vec2) uv, IN(ivec2) size, IN(ivec2) wrap) {
-    TextureTaps taps;
-    // Keep the fraction exact for far-out coordinates; mirrored wrapping has period 2.
-    vec2 reduced = uv - 2.0f * floor(0.5f * uv);
-    vec2 base = vec2(wrap.x == WRAP_CLAMP ? clamp(uv.x, 0.0f, 1.0f) : reduced.x,
-                     wrap.y == WRAP_CLAMP ? clamp(uv.y, 0.0f, 1.0f) : reduced.y);
-    vec2 t = base * vec2(size) - vec2(0.5f);
-    vec2 cell = floor(t);
-    taps.fraction = t - cell;
-    ivec2 i = ivec2(cell);
-    taps.lower = ivec2(wrapTexel(i.x, size.x, wrap.x), wrapTexel(i.y, size.y, wrap.y));
-    taps.upper = ivec2(wrapTexel(i.x + 1, size.x, wrap.x), wrapTexel(i.y + 1, size.y, wrap.y));
-    return taps;
-}
-
 #endif

@@ -3,6 +3,7 @@
 #include "shared/sh.glsl"
 #include "shared/brdf.glsl"
 #include "shared/light.glsl"
+#include "shared/texture.glsl"
 #include "shared/record.glsl"
 #include "shared/hemisphere.glsl"
 #include "shared/view.glsl"

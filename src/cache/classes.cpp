@@ -49,6 +49,18 @@ float specularShare(const vec3& diffuse, const vec3& f0, float f90, const vec2& 
     return specular / std::max(specular + mean(diffuse), 1e-12f);
 }
 
+// Of a texture's texels the one by whose `value` one in kLower is lower.
+template <class Value>
+vec4 lowTexel(const Scene& scene, const TextureUse& use, const Value& value) {
+    constexpr size_t kLower = 20;
+    std::vector<vec4> texels =
+        linearTexels(scene, scene.textures[static_cast<size_t>(use.texture)]);
+    const auto low = texels.begin() + static_cast<std::ptrdiff_t>(texels.size() / kLower);
+    std::nth_element(texels.begin(), low, texels.end(),
+                     [&](const vec4& a, const vec4& b) { return value(a) < value(b); });
+    return *low;
+}
+
 }  // namespace
 
 int materialOrder(const MaterialParams& material, int sh_order) {
@@ -80,15 +92,22 @@ int materialOrder(const MaterialParams& material, int sh_order) {
 }
 
 int materialOrder(const Scene& scene, const Material& material, int sh_order) {
-    constexpr size_t kDarker = 20;  // one texel in so many
     MaterialParams params = material.params;
-    if (material.base_color_texture >= 0) {
-        std::vector<vec3> texels =
-            scene.textures[static_cast<size_t>(material.base_color_texture)].texels;
-        const auto dark = texels.begin() + static_cast<std::ptrdiff_t>(texels.size() / kDarker);
-        std::nth_element(texels.begin(), dark, texels.end(),
-                         [](const vec3& a, const vec3& b) { return luminance(a) < luminance(b); });
-        params.base_color *= *dark;
+    const TextureUse& color = material.textures[shared::TEXTURE_BASE_COLOR];
+    if (color.used()) {
+        params.base_color *=
+            vec3(lowTexel(scene, color, [](const vec4& texel) { return luminance(vec3(texel)); }));
+    }
+    const TextureUse& rough = material.textures[shared::TEXTURE_METALLIC_ROUGHNESS];
+    if (rough.used()) {
+        params.roughness *= lowTexel(scene, rough, [](const vec4& texel) { return texel.y; }).y;
+        const float metallic = params.metallic;
+        params.metallic =
+            metallic * lowTexel(scene, rough, [](const vec4& texel) { return -texel.z; }).z;
+        const int most_metallic = materialOrder(params, sh_order);
+        params.metallic =
+            metallic * lowTexel(scene, rough, [](const vec4& texel) { return texel.z; }).z;
+        return std::max(most_metallic, materialOrder(params, sh_order));
     }
     return materialOrder(params, sh_order);
 }

@@ -57,8 +57,9 @@ struct PixelClasses {
 /// The order that `sh_order` (0: by prediction) gives a material; shared::DIFFUSE_ORDER for one
 /// whose specular lobe never matters.
 int materialOrder(const MaterialParams& material, int sh_order);
-/// The same of a material with its texture, by so dark a texel that one in twenty is darker: the
-/// darker the diffuse light, the more the lobe matters. (Pixels that need less are diffuse again.)
+/// The same of a material with its textures, by so dark and smooth a texel that one in twenty is
+/// darker or smoother: the darker the diffuse light, the more the lobe matters. (Pixels that need
+/// less are diffuse again.)
 int materialOrder(const Scene& scene, const Material& material, int sh_order);
 
 /// Classifies every pixel; `irradiance_only`: all as diffuse. None goes by rays where a given

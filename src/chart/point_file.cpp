@@ -99,21 +99,33 @@ Measurement measurementFromJson(const Json& json) {
 std::string contentHash(const Scene& scene) {
     // These are hashed as bytes, so they must have no padding.
     static_assert(sizeof(MaterialParams) == 12 * sizeof(float));
+    static_assert(sizeof(TextureUse) == 2 * sizeof(int) + 6 * sizeof(float));
     static_assert(sizeof(PunctualLight) == 16 * sizeof(float));
     Hash hash;
     hash.add(scene.positions);
     hash.add(scene.normals);
     hash.add(scene.uvs);
+    hash.add(scene.second_uvs);
+    hash.add(scene.colors);
     hash.add(scene.triangles);
     hash.add(scene.materials_of);
     for (const Material& material : scene.materials) {
         hash.add(&material.params, sizeof(material.params));
-        hash.add(&material.base_color_texture, sizeof(material.base_color_texture));
+        hash.add(&material.unlit, sizeof(material.unlit));
+        for (const TextureUse& use : material.textures) {
+            hash.add(&use, sizeof(use));
+        }
     }
     for (const Texture& texture : scene.textures) {
-        const int shape[] = {texture.width, texture.height, texture.wrap.x, texture.wrap.y};
-        hash.add(shape, sizeof(shape));
-        hash.add(texture.texels);
+        const int use[] = {texture.image, texture.wrap.x, texture.wrap.y, texture.nearest,
+                           texture.srgb};
+        hash.add(use, sizeof(use));
+    }
+    for (const TextureImage& image : scene.images) {
+        const int size[] = {image.width, image.height};
+        hash.add(size, sizeof(size));
+        hash.add(image.bytes);
+        hash.add(image.words);
     }
     hash.add(scene.lights);
     for (const Camera& camera : scene.cameras) {

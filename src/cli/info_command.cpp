@@ -36,7 +36,7 @@ Json materialJson(const Scene& scene, const Material& material) {
             {"alpha", shared::alphaFromRoughness(params.roughness)},
             {"metallic", params.metallic},
             {"base_color", jsonFrom(params.base_color)},
-            {"textured", material.base_color_texture >= 0},
+            {"textured", material.textured()},
             {"sh_order", materialOrder(scene, material, 0)},
             {"emission", jsonFrom(params.emission)}};
 }
@@ -55,7 +55,8 @@ Json sceneJson(const std::string& path, const Scene& scene) {
         json["materials"].push_back(materialJson(scene, material));
     }
     for (const Texture& texture : scene.textures) {
-        json["textures"].push_back({{"size", {texture.width, texture.height}}});
+        const TextureImage& image = scene.images[static_cast<size_t>(texture.image)];
+        json["textures"].push_back({{"size", {image.width, image.height}}});
     }
     for (size_t i = 0; i < scene.lights.size(); ++i) {
         const PunctualLight& light = scene.lights[i];
@@ -103,7 +104,7 @@ void printScene(const std::string& path, const Scene& scene) {
         fmt::print(
             "material {} {}: roughness {:.3g} (alpha {:.3g}), metallic {:.3g}{}{}; {}\n", i,
             material.name, params.roughness, shared::alphaFromRoughness(params.roughness),
-            params.metallic, material.base_color_texture >= 0 ? ", textured" : "",
+            params.metallic, material.textured() ? ", textured" : "",
             params.emission == vec3(0.0f) ? "" : ", emits " + textFrom(params.emission),
             order == shared::DIFFUSE_ORDER
                 ? "cached as irradiance"

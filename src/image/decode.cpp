@@ -63,7 +63,7 @@ class PngReader {
                 .height = static_cast<int>(png_get_image_height(png_, info_))};
     }
 
-    // After header(). `rows`: [row][width * 3].
+    // After header(). `rows`: [row][width * 4].
     void readPixels(std::span<png_bytep> rows) {
         if (!readRows(rows.data())) {
             throw DecodeError(message_.data());
@@ -104,7 +104,7 @@ class PngReader {
         }
         png_set_expand_16(png_);
         png_set_gray_to_rgb(png_);
-        png_set_strip_alpha(png_);
+        png_set_add_alpha(png_, 0xffff, PNG_FILLER_AFTER);
         if (std::endian::native == std::endian::little) {
             png_set_swap(png_);
         }
@@ -122,12 +122,12 @@ class PngReader {
 DecodedImage decodePng(std::span<const uint8_t> file) {
     PngReader reader(file);
     const ImageHeader header = reader.header();
-    const size_t row_values = 3 * static_cast<size_t>(header.width);
+    const size_t row_values = 4 * static_cast<size_t>(header.width);
     const auto height = static_cast<size_t>(header.height);
     DecodedImage image{header.width, header.height, std::vector<uint16_t>(row_values * height)};
     std::vector<png_bytep> rows(height);
     for (size_t y = 0; y < height; ++y) {
-        rows[y] = reinterpret_cast<png_bytep>(image.rgb.data() + y * row_values);
+        rows[y] = reinterpret_cast<png_bytep>(image.rgba.data() + y * row_values);
     }
     reader.readPixels(rows);
     return image;
@@ -186,12 +186,12 @@ DecodedImage decodeJpeg(std::span<const uint8_t> file) {
     const size_t components = reader.isInk() ? 4 : 3;
     std::vector<uint8_t> stored(components * pixels);
     reader.readPixels(header, stored);
-    DecodedImage image{header.width, header.height, std::vector<uint16_t>(3 * pixels)};
+    DecodedImage image{header.width, header.height, std::vector<uint16_t>(4 * pixels, 65535)};
     for (size_t i = 0; i < pixels; ++i) {
         for (size_t c = 0; c < 3; ++c) {
             // Ink is stored as the light that it lets through, black last [Adobe Technote 5116].
             const int black = reader.isInk() ? stored[4 * i + 3] : 255;
-            image.rgb[3 * i + c] =
+            image.rgba[4 * i + c] =
                 static_cast<uint16_t>(stored[components * i + c] * black * kWiden / 255);
         }
     }

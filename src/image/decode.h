@@ -18,13 +18,13 @@ struct ImageHeader {
     int height = 0;
 };
 
-/// Pixels as stored, without any transfer function: red, green, blue from 0 to 65535, row by row
-/// from the top left, [pixel][3]. Grey is repeated, palettes are looked up, alpha and colour
-/// profiles are left out, as glTF asks.
+/// Pixels as stored, without any transfer function: red, green, blue and alpha from 0 to 65535, row
+/// by row from the top left, [pixel][4]. Grey is repeated, palettes are looked up, colour profiles
+/// are left out, as glTF asks.
 struct DecodedImage {
     int width = 0;
     int height = 0;
-    std::vector<uint16_t> rgb;
+    std::vector<uint16_t> rgba;
 };
 
 /// Why a file is no image that can be read, such as "it is neither PNG nor JPEG".
@@ -35,7 +35,7 @@ class DecodeError : public std::runtime_error {
 /// Reads no pixels and takes memory for none. Throws DecodeError.
 ImageHeader readImageHeader(std::span<const uint8_t> file);
 
-/// Takes up to 14 bytes a pixel, of which it returns 6. Throws DecodeError where a file is damaged.
+/// Takes up to 16 bytes a pixel, of which it returns 8. Throws DecodeError where a file is damaged.
 DecodedImage decodeImage(std::span<const uint8_t> file);
 
 }  // namespace sheen

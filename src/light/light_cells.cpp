@@ -214,8 +214,10 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
     LitTriangle result;
     for (int side = 0; side < 2; ++side) {
         std::vector<Cell>& cells = result.cells[side];
-        const Cell unlit{.radiance = material.params.emission, .shade = others, .trace = others};
-        if (facing[side] == 0) {
+        const Cell unlit{.radiance = emissionAt(scene, index, vec3(1.0f / 3.0f)),
+                         .shade = others,
+                         .trace = others};
+        if (facing[side] == 0 && !material.textures[shared::TEXTURE_EMISSION].used()) {
             cells.assign(1, unlit);
             continue;
         }
@@ -227,6 +229,7 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
             const uint32_t trace = (open[c.x] | open[c.y] | open[c.z]) & facing[side];
             const uint32_t lit = middles[i] & ~trace & facing[side];
             Cell& cell = cells[i];
+            cell.radiance = emissionAt(scene, index, vec3(1.0f - uv.x - uv.y, uv));
             cell.trace |= static_cast<uint16_t>(trace);
             cell.shade |= static_cast<uint16_t>(lambertian ? trace : trace | lit);
             if (!lambertian || lit == 0) {

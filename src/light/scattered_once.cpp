@@ -36,10 +36,10 @@ void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
     }
     const std::span<Lit> all(lit, count);
     for (const Lit& l : all) {
-        radiance[l.ray] =
-            l.cell != nullptr
-                ? l.cell->radiance
-                : scene().materials[scene().materials_of[l.hit->triangle]].params.emission;
+        const Hit& hit = *l.hit;
+        radiance[l.ray] = l.cell != nullptr ? l.cell->radiance
+                                            : emissionAt(scene(), hit.triangle,
+                                                         vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
     }
     const auto dark =
         std::partition(all.begin(), all.end(), [](const Lit& l) { return l.shade() != 0; });

@@ -169,8 +169,10 @@ class Simplifier {
     Simplifier(const Scene& scene, const std::vector<uint32_t>& welded,
                const std::vector<uint32_t>& patch)
         : scene_(scene) {
-        // A textured patch keeps its seams, where a coordinate jumps; others are welded.
-        textured_ = scene.materials[scene.materials_of[patch[0]]].base_color_texture >= 0;
+        // A textured patch keeps its seams, where a coordinate jumps, as one whose corners have
+        // colours does; others are welded.
+        textured_ =
+            scene.materials[scene.materials_of[patch[0]]].textured() || !scene.colors.empty();
         std::unordered_map<uint32_t, uint32_t> local_of;
         for (uint32_t t : patch) {
             for (int corner = 0; corner < 3; ++corner) {

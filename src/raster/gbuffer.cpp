@@ -19,8 +19,8 @@ void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_
     if (!(depth > 0.0f)) {
         return;
     }
-    const Scatterer surface = scattererAt(scene, p);
-    const MaterialParams& material = scene.materials[scene.materials_of[hit.triangle]].params;
+    const MaterialParams material = materialAt(scene, p.triangle, p.barycentric);
+    const Scatterer surface = scattererAt(scene, p, material);
     g.position.pixels[i] = vec4(p.position, depth);
     g.normal.pixels[i] = vec4(surface.n, material.roughness);
     g.diffuse.pixels[i] = vec4(surface.brdf.diffuse, surface.brdf.f90);
@@ -72,7 +72,7 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
     }
     result.f0 = result.direct = Image<vec3>(width, height);
     if (std::any_of(scene.materials.begin(), scene.materials.end(),
-                    [](const Material& m) { return m.params.emission != vec3(0.0f); }) ||
+                    [](const Material& m) { return m.emits(); }) ||
         scene.environment.shows()) {
         result.emission = Image<vec3>(width, height);
     }

@@ -32,16 +32,30 @@ struct PackedTriangle {
 };
 static_assert(sizeof(PackedTriangle) == 7 * 16);
 
+struct PackedTexture {
+    shared::TextureTransform transform;
+    int uv_set;
+    int first;
+    int levels;
+    int nearest;
+    glm::ivec2 size;
+    glm::ivec2 wrap;
+    glm::ivec2 pad;
+};
+static_assert(sizeof(PackedTexture) == 4 * 16);
 struct PackedMaterial {
     MaterialParams params;
-    int texture_first;
-    int texture_levels;
-    int texture_width;
-    int texture_height;
-    glm::ivec2 texture_wrap;
-    int pad[2];
+    int unlit;
+    int pad[3];
+    PackedTexture textures[shared::TEXTURE_USES];
 };
-static_assert(sizeof(PackedMaterial) == 5 * 16);
+static_assert(sizeof(PackedMaterial) == (4 + 4 * shared::TEXTURE_USES) * 16);
+struct PackedCorner {
+    vec4 color;
+    vec2 second_uv;
+    vec2 pad;
+};
+static_assert(sizeof(PackedCorner) == 2 * 16);
 static_assert(sizeof(PunctualLight) == 4 * 16);
 
 std::vector<PackedTriangle> packTriangles(const Scene& scene, const ClusteredMesh& mesh) {
@@ -79,23 +93,43 @@ std::vector<TrianglePlane> planesOf(const std::vector<PackedTriangle>& triangles
     return planes;
 }
 
+// What most scenes' corners have not: [triangle][corner], empty where none has.
+std::vector<PackedCorner> packCorners(const Scene& scene, const ClusteredMesh& mesh) {
+    std::vector<PackedCorner> packed;
+    if (scene.colors.empty() && scene.second_uvs.empty()) {
+        return packed;
+    }
+    packed.reserve(3 * mesh.triangles.size());
+    for (const uvec3& t : mesh.triangles) {
+        for (int corner = 0; corner < 3; ++corner) {
+            const uint32_t v = t[corner];
+            packed.push_back(
+                {.color = scene.colors.empty() ? vec4(1.0f) : scene.colors[v],
+                 .second_uv = scene.second_uvs.empty() ? vec2(0.0f) : scene.second_uvs[v],
+                 .pad = vec2(0.0f)});
+        }
+    }
+    return packed;
+}
+
 // Appends a texture's levels, each half the size of the last down to one texel, as halves.
-int appendMipChain(const Texture& texture, std::vector<uvec2>& texels) {
-    std::vector<vec3> level = texture.texels;
-    int width = texture.width;
-    int height = texture.height;
+int appendMipChain(const Scene& scene, const Texture& texture, std::vector<uvec2>& texels) {
+    const TextureImage& image = scene.images[static_cast<size_t>(texture.image)];
+    std::vector<vec4> level = linearTexels(scene, texture);
+    int width = image.width;
+    int height = image.height;
     int levels = 0;
     while (true) {
         ++levels;
-        for (const vec3& c : level) {
-            texels.emplace_back(glm::packHalf2x16({c.r, c.g}), glm::packHalf2x16({c.b, 0.0f}));
+        for (const vec4& c : level) {
+            texels.emplace_back(glm::packHalf2x16({c.r, c.g}), glm::packHalf2x16({c.b, c.a}));
         }
         if (width == 1 && height == 1) {
             return levels;
         }
         const int next_width = std::max(width / 2, 1);
         const int next_height = std::max(height / 2, 1);
-        std::vector<vec3> next(static_cast<size_t>(next_width) * next_height);
+        std::vector<vec4> next(static_cast<size_t>(next_width) * next_height);
         for (int y = 0; y < next_height; ++y) {
             for (int x = 0; x < next_width; ++x) {
                 const int x1 = std::min(2 * x + 1, width - 1);
@@ -113,26 +147,54 @@ int appendMipChain(const Texture& texture, std::vector<uvec2>& texels) {
     }
 }
 
+// Where an image's levels lie among the texels.
+struct MipChain {
+    int first, levels;
+};
+
+PackedTexture packTexture(const Scene& scene, const TextureUse& use,
+                          const std::vector<MipChain>& chains) {
+    PackedTexture packed{};
+    packed.first = -1;
+    if (use.used()) {
+        const auto i = static_cast<size_t>(use.texture);
+        const Texture& texture = scene.textures[i];
+        const TextureImage& image = scene.images[static_cast<size_t>(texture.image)];
+        packed.transform = use.transform;
+        packed.uv_set = use.uv_set;
+        packed.first = chains[i].first;
+        packed.levels = chains[i].levels;
+        packed.nearest = texture.nearest ? 1 : 0;
+        packed.size = {image.width, image.height};
+        packed.wrap = texture.wrap;
+    }
+    return packed;
+}
+
 void uploadMaterials(const Scene& scene, GpuScene& gpu) {
     std::vector<uvec2> texels;
-    std::vector<int> first;
-    std::vector<int> levels;
-    for (const Texture& texture : scene.textures) {
-        first.push_back(static_cast<int>(texels.size()));
-        levels.push_back(appendMipChain(texture, texels));
+    std::vector<MipChain> chains;
+    for (size_t i = 0; i < scene.textures.size(); ++i) {
+        const Texture& texture = scene.textures[i];
+        const auto same =
+            std::find_if(scene.textures.begin(), scene.textures.end(), [&](const Texture& other) {
+                return other.image == texture.image && other.srgb == texture.srgb;
+            });
+        const auto first_same = static_cast<size_t>(same - scene.textures.begin());
+        if (first_same < i) {
+            chains.push_back(chains[first_same]);
+            continue;
+        }
+        const auto first = static_cast<int>(texels.size());
+        chains.push_back({.first = first, .levels = appendMipChain(scene, texture, texels)});
     }
     std::vector<PackedMaterial> materials;
     for (const Material& material : scene.materials) {
         PackedMaterial packed{};
         packed.params = material.params;
-        packed.texture_first = -1;
-        if (material.base_color_texture >= 0) {
-            const auto i = static_cast<size_t>(material.base_color_texture);
-            packed.texture_first = first[i];
-            packed.texture_levels = levels[i];
-            packed.texture_width = scene.textures[i].width;
-            packed.texture_height = scene.textures[i].height;
-            packed.texture_wrap = scene.textures[i].wrap;
+        packed.unlit = material.unlit ? 1 : 0;
+        for (size_t use = 0; use < material.textures.size(); ++use) {
+            packed.textures[use] = packTexture(scene, material.textures[use], chains);
         }
         materials.push_back(packed);
     }
@@ -179,13 +241,16 @@ GpuScene uploadScene(const Scene& scene) {
     gpu.scene_triangles = std::move(mesh.scene_triangles);
     gpu.planes = planesOf(packed);
     gpu.textured = std::any_of(scene.materials.begin(), scene.materials.end(),
-                               [](const Material& m) { return m.base_color_texture >= 0; });
+                               [](const Material& m) { return m.textured(); });
     gpu.lambertian = std::all_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) {
         return m.params.metallic == 0.0f && m.params.specular == 0.0f;
     });
     gpu.positions = gl::makeBuffer(std::span<const vec3>(positions));
     gpu.indices = std::move(indices);
     gpu.triangles = gl::makeBuffer(std::span<const PackedTriangle>(packed));
+    const std::vector<PackedCorner> corners = packCorners(scene, mesh);
+    gpu.has_corners = !corners.empty();
+    gpu.corners = gl::makeBuffer(std::span<const PackedCorner>(corners));
     gpu.lights = gl::makeBuffer(std::span<const PunctualLight>(scene.lights));
     gpu.albedo_table = gl::makeBuffer(std::span<const float>(
         brdfAlbedoTable(), 2 * shared::ALBEDO_TABLE_MU * shared::ALBEDO_TABLE_ROUGHNESS));
@@ -267,6 +332,7 @@ void bindShading(const GpuScene& gpu, const gl::Program& program) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, gpu.lights.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, gpu.albedo_table.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, gpu.shadow_views.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, gpu.corners.name());
     glBindTextureUnit(0, gpu.shadow_maps.name());
 }
 

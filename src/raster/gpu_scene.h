@@ -27,6 +27,8 @@ struct GpuScene {
     gl::Buffer triangles;
     std::vector<uint32_t> triangle_of;  ///< of each of the scene's triangles, at the finest level
     std::vector<uint32_t> scene_triangles;  ///< that each triangle is or came from
+    gl::Buffer corners;  ///< colours and second coordinates of the triangles' corners
+    bool has_corners = false;
     gl::Buffer materials;
     gl::Buffer texels;
     gl::Buffer lights;

@@ -168,6 +168,9 @@ std::vector<std::string> shadingDefines(const GpuScene& gpu, int taps) {
     if (gpu.textured) {
         defines.emplace_back("TEXTURED");
     }
+    if (gpu.has_corners) {
+        defines.emplace_back("CORNERS");
+    }
     if (gpu.lambertian) {
         defines.emplace_back("LAMBERTIAN");
     }

@@ -60,21 +60,24 @@ struct Scatterer {
     Brdf brdf;
 };
 
-inline Scatterer scattererAt(const Scene& scene, const SurfacePoint& p) {
+/// Of the material that materialAt() finds at the point.
+inline Scatterer scattererAt(const Scene& scene, const SurfacePoint& p,
+                             const MaterialParams& material) {
     const uvec3& t = scene.triangles[p.triangle];
     const vec3& b = p.barycentric;
     const vec3 n = b.x * scene.normals[t.x] + b.y * scene.normals[t.y] + b.z * scene.normals[t.z];
     Scatterer surface;
     surface.n = shared::shadingNormal(shared::interpolatedNormal(n, p.n_g), p.n_g, p.wo);
-    const vec2 uv = b.x * scene.uvs[t.x] + b.y * scene.uvs[t.y] + b.z * scene.uvs[t.z];
-    const MaterialParams material =
-        materialAt(scene, scene.materials[scene.materials_of[p.triangle]], uv);
     // A Lambertian surface needs no albedo of a lobe it does not have.
     surface.brdf =
         shared::makeBrdf(material, isLambertian(material)
                                        ? vec2(0.0f)
                                        : brdfAlbedo(glm::dot(surface.n, p.wo), material.roughness));
     return surface;
+}
+
+inline Scatterer scattererAt(const Scene& scene, const SurfacePoint& p) {
+    return scattererAt(scene, p, materialAt(scene, p.triangle, p.barycentric));
 }
 
 /// Radiance toward wo of the light that arrives, unshadowed.

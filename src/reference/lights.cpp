@@ -29,28 +29,11 @@ T interpolate(const std::vector<T>& values, const uvec3& t, const Barycentric& a
     return (1.0f - at.u - at.v) * values[t.x] + at.u * values[t.y] + at.v * values[t.z];
 }
 
-vec3 emissionAt(const Scene& scene, uint32_t triangle, const Barycentric& at) {
-    return materialAt(scene, scene.materials[scene.materials_of[triangle]],
-                      interpolate(scene.uvs, scene.triangles[triangle], at))
-        .emission;
-}
-
 float areaOf(const Scene& scene, uint32_t triangle) {
     const uvec3& t = scene.triangles[triangle];
     const glm::dvec3 p0(scene.positions[t.x]);
     return static_cast<float>(0.5 * glm::length(glm::cross(glm::dvec3(scene.positions[t.y]) - p0,
                                                            glm::dvec3(scene.positions[t.z]) - p0)));
-}
-
-// The mean over the triangle, by a few points: how often it is chosen decides noise only.
-float meanEmission(const Scene& scene, uint32_t triangle) {
-    constexpr int kSide = 4;
-    float sum = 0.0f;
-    for (int i = 0; i < kSide * kSide; ++i) {
-        const vec2 u = (vec2(i % kSide, i / kSide) + 0.5f) / static_cast<float>(kSide);
-        sum += sumOf(emissionAt(scene, triangle, uniformPoint(u)));
-    }
-    return sum / (kSide * kSide);
 }
 
 // The last i whose cumulative share is at most u, never an empty one.
@@ -73,10 +56,10 @@ Lamps::Lamps(const Scene& scene) : scene_(scene) {
     std::vector<double> powers;
     double total = 0.0;
     for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-        if (scene.materials[scene.materials_of[i]].params.emission == vec3(0.0f)) {
+        if (!scene.materials[scene.materials_of[i]].emits()) {
             continue;
         }
-        const double power = static_cast<double>(areaOf(scene, i)) * meanEmission(scene, i);
+        const double power = static_cast<double>(areaOf(scene, i)) * sumOf(meanEmission(scene, i));
         if (power > 0.0) {
             triangles_.push_back(i);
             powers.push_back(power);
@@ -111,7 +94,7 @@ LightChoice Lamps::choose(const vec3& from, const vec2& u) const {
     if (distance > 0.0f && cosine > 0.0f) {
         choice.way = {
             .origin = from, .direction = way / distance, .distance = distance * kWayShare};
-        choice.radiance = emissionAt(scene_, triangle, at);
+        choice.radiance = emissionAt(scene_, triangle, vec3(1.0f - at.u - at.v, at.u, at.v));
         choice.pdf = densities_[triangle] * distance * distance / cosine;
     }
     return choice;

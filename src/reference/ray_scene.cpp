@@ -175,9 +175,7 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
     s.n = shared::shadingNormal(shared::interpolatedNormal(n, s.n_g), s.n_g, wo);
 
     // Look up the material.
-    const vec2 uv = w * scene_.uvs[t.x] + hit.u * scene_.uvs[t.y] + hit.v * scene_.uvs[t.z];
-    const MaterialParams material =
-        materialAt(scene_, scene_.materials[scene_.materials_of[hit.triangle]], uv);
+    const MaterialParams material = materialAt(scene_, hit.triangle, vec3(w, hit.u, hit.v));
     // Only a Lambertian surface has no specular lobe, whatever the table says of one.
     const bool lambertian = material.specular == 0.0f && material.metallic == 0.0f;
     const vec2 albedo_ab =

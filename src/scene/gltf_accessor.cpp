@@ -192,13 +192,27 @@ uint64_t accessorCount(const File& file, const tinygltf::Accessor& accessor) {
     return std::min<uint64_t>(accessor.count, most);
 }
 
+int accessorComponents(const File& file, int accessor_index, const std::string& where) {
+    switch (file.at(file.model.accessors, accessor_index, where, "accessor").type) {
+        case TINYGLTF_TYPE_SCALAR:
+            return 1;
+        case TINYGLTF_TYPE_VEC2:
+            return 2;
+        case TINYGLTF_TYPE_VEC3:
+            return 3;
+        case TINYGLTF_TYPE_VEC4:
+            return 4;
+        default:
+            return 0;
+    }
+}
+
 std::vector<float> readFloats(const File& file, int accessor_index, int components,
                               Integers integers, const std::string& owner) {
     const tinygltf::Accessor& accessor =
         file.at(file.model.accessors, accessor_index, owner, "accessor");
     const std::string where = fmt::format("{}, accessor {}", owner, accessor_index);
-    const int wanted = components == 2 ? TINYGLTF_TYPE_VEC2 : TINYGLTF_TYPE_VEC3;
-    if (accessor.type != wanted) {
+    if (accessorComponents(file, accessor_index, owner) != components) {
         file.fail(where, "its type must be VEC{}; export the file again", components);
     }
     const int type = accessor.componentType;

@@ -76,7 +76,7 @@ std::vector<Keyed> sortByPlane(const Scene& scene) {
 }
 
 bool looksAlike(const Material& a, const Material& b) {
-    return a.base_color_texture == b.base_color_texture &&
+    return a.textures == b.textures && a.unlit == b.unlit &&
            std::memcmp(&a.params, &b.params, sizeof(a.params)) == 0;
 }
 

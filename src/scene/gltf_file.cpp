@@ -16,10 +16,12 @@ namespace {
 constexpr int kMaxJsonDepth = 200;
 constexpr size_t kGlbHeaderSize = 20;
 
-// Extensions that are read; KHR_texture_transform is not, but has its own note at the material.
-const std::set<std::string> kSupported = {"KHR_materials_specular",
-                                          "KHR_materials_emissive_strength", "KHR_lights_punctual",
-                                          "KHR_mesh_quantization"};
+// Extensions that are read.
+const std::set<std::string> kSupported = {
+    "KHR_materials_specular", "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",    "KHR_texture_transform",
+    "KHR_lights_punctual",    "KHR_mesh_quantization",
+    "EXT_mesh_gpu_instancing"};
 
 bool isBinary(std::string_view bytes) { return bytes.substr(0, 4) == "glTF"; }
 
@@ -201,6 +203,15 @@ double numberMember(const File& file, const tinygltf::Value& object, const std::
     return member.GetNumberAsDouble();
 }
 
+int integerMember(const File& file, const tinygltf::Value& object, const std::string& key,
+                  int fallback, const std::string& where) {
+    const double number = numberMember(file, object, key, fallback, where);
+    if (!(std::abs(number) < 1e9)) {
+        file.fail(where, "{} is {} and must be a small integer", key, number);
+    }
+    return static_cast<int>(number);
+}
+
 std::string label(const char* kind, size_t index, const std::string& name) {
     return name.empty() ? fmt::format("{} {}", kind, index)
                         : fmt::format("{} {} ({})", kind, index, oneLine(name));
@@ -245,7 +256,7 @@ void parse(File& file) {
 
 void noteIgnoredParts(File& file) {
     for (const std::string& name : file.model.extensionsUsed) {
-        if (kSupported.count(name) == 0 && name != "KHR_texture_transform") {
+        if (kSupported.count(name) == 0) {
             file.notes.add(fmt::format("extension {} is not supported and ignored", oneLine(name)));
         }
     }

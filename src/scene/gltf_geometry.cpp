@@ -21,6 +21,8 @@ struct Primitive {
     std::vector<vec3> positions;
     std::vector<vec3> normals;  // empty: flat
     std::vector<vec2> uvs;      // empty: zero
+    std::vector<vec2> second_uvs;
+    std::vector<vec4> colors;  // empty: white
     std::vector<uvec3> triangles;
 };
 
@@ -50,12 +52,42 @@ std::vector<uvec3> trianglesOf(const std::vector<uint32_t>& index, int mode) {
     return triangles;
 }
 
-std::vector<vec3> asVec3(const std::vector<float>& values) {
-    std::vector<vec3> result(values.size() / 3);
+template <class V>
+std::vector<V> asVectors(const std::vector<float>& values) {
+    constexpr int kComponents = V::length();
+    std::vector<V> result(values.size() / kComponents);
     for (size_t i = 0; i < result.size(); ++i) {
-        result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+        for (int c = 0; c < kComponents; ++c) {
+            result[i][c] = values[i * kComponents + static_cast<size_t>(c)];
+        }
     }
     return result;
+}
+
+// Linear light and alpha; alpha 1 where there is none.
+std::vector<vec4> readColors(File& file, int accessor, const std::string& where) {
+    const bool opaque = accessorComponents(file, accessor, where) == 3;
+    const std::vector<float> values =
+        readFloats(file, accessor, opaque ? 3 : 4, Integers::kNormalizedUnsigned, where);
+    std::vector<vec4> colors;
+    if (opaque) {
+        for (const vec3& color : asVectors<vec3>(values)) {
+            colors.emplace_back(color, 1.0f);
+        }
+    } else {
+        colors = asVectors<vec4>(values);
+    }
+    int64_t mended = 0;
+    for (vec4& color : colors) {
+        // NaN becomes 0.
+        const vec4 clamped = glm::min(glm::max(vec4(0.0f), color), vec4(1.0f));
+        mended += clamped == color ? 0 : 1;
+        color = clamped;
+    }
+    if (mended > 0) {
+        file.notes.add("vertex colour out of range and clamped", mended);
+    }
+    return colors;
 }
 
 Primitive readPrimitive(File& file, const tinygltf::Primitive& source, const std::string& where) {
@@ -76,24 +108,29 @@ Primitive readPrimitive(File& file, const tinygltf::Primitive& source, const std
         file.notes.add("primitive without positions left out");
         return primitive;
     }
-    primitive.positions =
-        asVec3(readFloats(file, attribute("POSITION"), 3, quantized, where + ", POSITION"));
+    primitive.positions = asVectors<vec3>(
+        readFloats(file, attribute("POSITION"), 3, quantized, where + ", POSITION"));
     const size_t count = primitive.positions.size();
     if (source.attributes.count("NORMAL") > 0) {
-        primitive.normals =
-            asVec3(readFloats(file, attribute("NORMAL"), 3, quantized, where + ", NORMAL"));
+        primitive.normals = asVectors<vec3>(
+            readFloats(file, attribute("NORMAL"), 3, quantized, where + ", NORMAL"));
         check_count("NORMAL", primitive.normals.size(), count);
     }
-    if (source.attributes.count("TEXCOORD_0") > 0) {
-        const std::vector<float> uv =
-            readFloats(file, attribute("TEXCOORD_0"), 2,
-                       quantized == Integers::kAny ? Integers::kAny : Integers::kNormalizedUnsigned,
-                       where + ", TEXCOORD_0");
-        check_count("TEXCOORD_0", uv.size() / 2, count);
-        primitive.uvs.resize(count);
-        for (size_t i = 0; i < count; ++i) {
-            primitive.uvs[i] = {uv[2 * i], uv[2 * i + 1]};
+    const auto read_uvs = [&](const char* name, std::vector<vec2>& uvs) {
+        if (attribute(name) == -1) {
+            return;
         }
+        uvs = asVectors<vec2>(
+            readFloats(file, attribute(name), 2,
+                       quantized == Integers::kAny ? Integers::kAny : Integers::kNormalizedUnsigned,
+                       fmt::format("{}, {}", where, name)));
+        check_count(name, uvs.size(), count);
+    };
+    read_uvs("TEXCOORD_0", primitive.uvs);
+    read_uvs("TEXCOORD_1", primitive.second_uvs);
+    if (attribute("COLOR_0") != -1) {
+        primitive.colors = readColors(file, attribute("COLOR_0"), where + ", COLOR_0");
+        check_count("COLOR_0", primitive.colors.size(), count);
     }
     std::vector<uint32_t> indices;
     if (source.indices != -1) {
@@ -221,16 +258,33 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
     }
     std::vector<uint32_t> scene_vertex(primitive.positions.size(), kUnused);
     int64_t bad_uvs = 0;
+    const auto uv_of = [&](const std::vector<vec2>& uvs, uint32_t vertex) {
+        const vec2 uv = uvs.empty() ? vec2(0.0f) : uvs[vertex];
+        const bool bad = !std::isfinite(uv.x) || !std::isfinite(uv.y);
+        bad_uvs += bad ? 1 : 0;
+        return bad ? vec2(0.0f) : uv;
+    };
+    // What no mesh has had before, those before lack.
+    if (!primitive.second_uvs.empty()) {
+        scene.second_uvs.resize(scene.positions.size(), vec2(0.0f));
+    }
+    if (!primitive.colors.empty()) {
+        scene.colors.resize(scene.positions.size(), vec4(1.0f));
+    }
+    const bool with_second_uvs = !primitive.second_uvs.empty() || !scene.second_uvs.empty();
+    const bool with_colors = !primitive.colors.empty() || !scene.colors.empty();
     const auto add_vertex = [&](uint32_t vertex, const vec3& normal) {
         const auto index = static_cast<uint32_t>(scene.positions.size());
-        vec2 uv = primitive.uvs.empty() ? vec2(0.0f) : primitive.uvs[vertex];
-        if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
-            uv = vec2(0.0f);
-            ++bad_uvs;
-        }
         scene.positions.push_back(primitive.positions[vertex]);
         scene.normals.push_back(normal);
-        scene.uvs.push_back(uv);
+        scene.uvs.push_back(uv_of(primitive.uvs, vertex));
+        if (with_second_uvs) {
+            scene.second_uvs.push_back(uv_of(primitive.second_uvs, vertex));
+        }
+        if (with_colors) {
+            scene.colors.push_back(primitive.colors.empty() ? vec4(1.0f)
+                                                            : primitive.colors[vertex]);
+        }
         scene.bounds.add(primitive.positions[vertex]);
         return index;
     };
@@ -264,9 +318,6 @@ void noteUnsupported(File& file, const tinygltf::Primitive& source, const std::s
     if (!source.targets.empty()) {
         file.notes.add("morph targets are not supported: the base mesh is shown");
     }
-    if (source.attributes.count("COLOR_0") > 0) {
-        file.notes.add("vertex colours are not supported and left out");
-    }
 }
 
 }  // namespace
@@ -292,8 +343,12 @@ void appendMesh(File& file, int mesh_index, const glm::dmat4& world_from_mesh, S
         }
         noteUnsupported(file, source, where);
         Primitive primitive = readPrimitive(file, source, where);
-        if (primitive.uvs.empty() && scene.materials[material].base_color_texture >= 0) {
-            file.notes.add("textured mesh without TEXCOORD_0: one colour of the texture all over");
+        for (const TextureUse& use : scene.materials[material].textures) {
+            if (use.used() && (use.uv_set == 0 ? primitive.uvs : primitive.second_uvs).empty()) {
+                file.notes.add(fmt::format(
+                    "textured mesh without TEXCOORD_{}: one colour of the texture all over",
+                    use.uv_set));
+            }
         }
         transform(primitive, world_from_mesh);
         dropDegenerate(file, primitive);

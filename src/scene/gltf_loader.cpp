@@ -305,6 +305,7 @@ void flatten(File& file, const std::string& camera, Scene& scene) {
     Scene again;
     again.materials = std::move(scene.materials);
     again.textures = std::move(scene.textures);
+    again.images = std::move(scene.images);
     again.origin = dvec3(origin);
     scene = std::move(again);
     walkNodes(file, scene);
@@ -428,9 +429,7 @@ Camera framingCamera(const Bounds& bounds) {
 bool isDark(const Scene& scene) {
     return scene.lights.empty() && scene.environment.empty() &&
            std::all_of(scene.materials_of.begin(), scene.materials_of.end(),
-                       [&](uint32_t material) {
-                           return scene.materials[material].params.emission == vec3(0.0f);
-                       });
+                       [&](uint32_t material) { return !scene.materials[material].emits(); });
 }
 
 // From above, to the left of the framing camera. White that faces it has radiance 1.

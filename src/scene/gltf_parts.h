@@ -78,7 +78,10 @@ ByteSpan bufferViewBytes(const File& file, int buffer_view, const std::string& w
 /// How many elements an accessor has, or fewer where the file cannot hold them.
 uint64_t accessorCount(const File& file, const tinygltf::Accessor& accessor);
 
-/// An accessor's values as floats, [element][components]; `components` is 2 or 3. Normalised
+/// How many numbers an element of an accessor has: 1 to 4, 0 where that is something else.
+int accessorComponents(const File& file, int accessor, const std::string& where);
+
+/// An accessor's values as floats, [element][components]; `components` is 2, 3 or 4. Normalised
 /// integers become [0, 1] or [-1, 1]; sparse accessors are filled in.
 std::vector<float> readFloats(const File& file, int accessor, int components, Integers integers,
                               const std::string& where);
@@ -86,6 +89,34 @@ std::vector<float> readFloats(const File& file, int accessor, int components, In
 /// An accessor's values as vertex indices, each below `vertex_count`.
 std::vector<uint32_t> readIndices(const File& file, int accessor, size_t vertex_count,
                                   const std::string& where);
+
+/// Likewise an integer, as JSON may have it.
+int integerMember(const File& file, const tinygltf::Value& object, const std::string& key,
+                  int fallback, const std::string& where);
+
+/// What a material says of one of its textures.
+struct TextureInfo {
+    int index = -1;  ///< of the file's textures; -1: none
+    int uv_set = 0;
+    tinygltf::Value transform = {};  ///< KHR_texture_transform, an object where it is used
+};
+TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const std::string& where);
+
+/// Loads a file's textures as materials ask for them, each image once. Those that cannot be read
+/// are left out, with a note.
+class TextureLoader {
+  public:
+    TextureLoader(File& file, Scene& scene) : file_(file), scene_(scene) {}
+    /// `owner`: the material, for errors.
+    TextureUse use(const TextureInfo& info, bool srgb, const std::string& owner);
+
+  private:
+    int load(int index, bool srgb, const std::string& owner);
+
+    File& file_;
+    Scene& scene_;
+    std::map<int, int> images_;  // of the scene, by the file's; -1: it cannot be read
+};
 
 /// All materials of the file, in its order, and the glTF default material behind them, with the
 /// textures they use.

@@ -7,7 +7,6 @@
 #include "core/error.h"
 
 namespace sheen {
-
 const Camera& findCamera(const Scene& scene, const std::string& name) {
     SHEEN_CHECK(!scene.cameras.empty());
     if (name.empty()) {
@@ -39,24 +38,6 @@ CameraRay cameraRay(const Camera& camera, int width, int height, float x, float 
         (1.0f - 2.0f * (y + 0.5f) / static_cast<float>(height)) * tan_half, -1.0f);
     return {.origin = vec3(camera.world_from_camera[3]),
             .direction = glm::normalize(mat3(camera.world_from_camera) * direction_camera)};
-}
-
-MaterialParams materialAt(const Scene& scene, const Material& material, const vec2& uv) {
-    MaterialParams params = material.params;
-    if (material.base_color_texture >= 0) {
-        const Texture& texture = scene.textures[static_cast<size_t>(material.base_color_texture)];
-        const shared::TextureTaps taps =
-            shared::textureTaps(uv, glm::ivec2(texture.width, texture.height), texture.wrap);
-        const auto texel = [&](int x, int y) {
-            return texture.texels[static_cast<size_t>(y) * texture.width + x];
-        };
-        const vec3 lower = glm::mix(texel(taps.lower.x, taps.lower.y),
-                                    texel(taps.upper.x, taps.lower.y), taps.fraction.x);
-        const vec3 upper = glm::mix(texel(taps.lower.x, taps.upper.y),
-                                    texel(taps.upper.x, taps.upper.y), taps.fraction.x);
-        params.base_color *= glm::mix(lower, upper, taps.fraction.y);
-    }
-    return params;
 }
 
 float surfaceOffset(const Scene& scene, uint32_t triangle, const vec3& position, const vec3& n_g,

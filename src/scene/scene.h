@@ -9,28 +9,13 @@
 
 #include "core/math.h"
 #include "scene/environment.h"
+#include "scene/material.h"
 #include "scene/shared.h"
 
 namespace sheen {
 
-using shared::Brdf;
 using shared::LightSample;
-using shared::MaterialParams;
 using shared::PunctualLight;
-
-/// A base-colour image, decoded to linear light.
-struct Texture {
-    int width = 0;
-    int height = 0;
-    std::vector<vec3> texels;  ///< [y][x], first row first as stored in the file, linear RGB
-    glm::ivec2 wrap{shared::WRAP_REPEAT};
-};
-
-struct Material {
-    std::string name;             ///< one line
-    MaterialParams params;        ///< factors; base_color is multiplied by the texture
-    int base_color_texture = -1;  ///< index into Scene::textures, or -1
-};
 
 struct Camera {
     std::string name;
@@ -44,12 +29,16 @@ struct Scene {
     std::vector<vec3> positions;
     std::vector<vec3> normals;  ///< unit
     std::vector<vec2> uvs;      ///< zero where the mesh has none
+    // Empty where no mesh has them.
+    std::vector<vec2> second_uvs;  ///< likewise
+    std::vector<vec4> colors;      ///< linear light and alpha, of 1; white where the mesh has none
     // Triangles: [triangle]; never degenerate, all coordinates finite. Counter-clockwise seen from
     // the front; the vertex normals may lie on either side.
     std::vector<uvec3> triangles;
     std::vector<uint32_t> materials_of;  ///< index into materials
     std::vector<Material> materials;
     std::vector<Texture> textures;
+    std::vector<TextureImage> images;
     std::vector<PunctualLight> lights;
     std::vector<std::string> light_names;
     Environment environment;
@@ -65,12 +54,11 @@ struct Scene {
     dvec3 inFile(const vec3& p) const { return dvec3(p) + origin; }
 };
 
-/// Loads a .glb or .gltf file: geometry with its transforms, metallic-roughness factors and
-/// base-colour textures, KHR_materials_specular, KHR_materials_emissive_strength, cameras,
-/// KHR_lights_punctual. Whatever else the file uses is named in Scene::warnings, or, where the
-/// result would be wrong (a required extension, a compressed mesh), is an input error.
-/// A scene without cameras gets one that frames its bounds; geometry without lights, none of which
-/// emits, gets a sun from above, of pi lux, and a warning that says so.
+/// Loads a .glb or .gltf file: geometry with its transforms, materials with their textures, cameras
+/// and lights, as docs/gltf.md lists them. Whatever else the file uses is named in Scene::warnings,
+/// or, where the result would be wrong (a required extension, a compressed mesh), is an input
+/// error. A scene without cameras gets one that frames its bounds; geometry without lights, none of
+/// which emits, gets a sun from above, of pi lux, and a warning that says so.
 /// `camera`: the one to be seen by, as findCamera() has it, by which Scene::origin is chosen.
 /// `environment`: the light of the surroundings, of which the file says nothing; see
 /// loadEnvironment() for its errors.
@@ -89,8 +77,18 @@ struct CameraRay {
 };
 CameraRay cameraRay(const Camera& camera, int width, int height, float x, float y);
 
-/// Base colour at uv (bilinear, the full-resolution level) times the factor, and the other factors.
-MaterialParams materialAt(const Scene& scene, const Material& material, const vec2& uv);
+/// The material at a point of a triangle, `barycentric` weighting its three vertices: textures (the
+/// full-resolution level) and all else that varies over the surface applied. Every pass asks here.
+MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+
+/// All texels of a texture, [y][x], in linear light.
+std::vector<vec4> linearTexels(const Scene& scene, const Texture& texture);
+
+/// What the point emits, nits: the emission of materialAt(), for less.
+vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+
+/// Of all points of a triangle, nits.
+vec3 meanEmission(const Scene& scene, uint32_t triangle);
 
 /// How far off a triangle an eye or a ray starts that leaves it at `position`, where its unit
 /// normal is n_g, seen from `distance` away: what rounding may put between the point, the triangle

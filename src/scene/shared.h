@@ -1,4 +1,4 @@
-// The C++ twin of the shaders' scene functions: BRDF, lights, texture taps.
+// The C++ twin of the shaders' scene functions: BRDF, lights, textures.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,5 +8,6 @@ using namespace glm;
 
 #include "shared/brdf.glsl"
 #include "shared/light.glsl"
+#include "shared/texture.glsl"
 
 }  // namespace sheen::shared

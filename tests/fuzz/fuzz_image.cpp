@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         const DecodedImage image = decodeImage(file);
         fuzz::require(image.width == header.width && image.height == header.height,
                       "an image has the size that its header tells");
-        fuzz::require(image.rgb.size() == 3 * static_cast<size_t>(pixels),
+        fuzz::require(image.rgba.size() == 4 * static_cast<size_t>(pixels),
                       "an image has the pixels of its size");
     } catch (const DecodeError& error) {
         fuzz::require(*error.what() != '\0', "an error has a reason");

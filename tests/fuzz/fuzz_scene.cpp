@@ -27,6 +27,9 @@ void checkGeometry(const Scene& scene) {
         require(unit(scene.normals[i]), "normals are unit vectors");
         require(std::isfinite(scene.uvs[i].x) && std::isfinite(scene.uvs[i].y), "uvs are finite");
     }
+    require((scene.second_uvs.empty() || scene.second_uvs.size() == vertices) &&
+                (scene.colors.empty() || scene.colors.size() == vertices),
+            "every vertex has what one has");
     require(scene.materials_of.size() == scene.triangles.size(), "every triangle has a material");
     for (int i = 0; i < scene.triangleCount(); ++i) {
         const uvec3& t = scene.triangles[static_cast<size_t>(i)];
@@ -47,25 +50,34 @@ void checkMaterials(const Scene& scene) {
                     within(p.roughness, 0, 1) && within(p.specular, 0, 1) &&
                     within(p.specular_color, 0, largest) && within(p.emission, 0, largest),
                 "material factors are in range", material.name);
-        require(material.base_color_texture >= -1 &&
-                    material.base_color_texture < static_cast<int>(scene.textures.size()),
-                "textures are in range", material.name);
+        for (const TextureUse& use : material.textures) {
+            require(use.texture >= -1 && use.texture < static_cast<int>(scene.textures.size()) &&
+                        (use.uv_set == 0 || use.uv_set == 1),
+                    "textures are in range", material.name);
+        }
         requireOneLine(material.name);
     }
     for (const Texture& texture : scene.textures) {
-        require(texture.width > 0 && texture.height > 0 &&
-                    texture.texels.size() ==
-                        static_cast<size_t>(texture.width) * static_cast<size_t>(texture.height),
-                "textures have the texels of their size");
-        for (const vec3& texel : texture.texels) {
-            require(within(texel, 0, 1), "texels are in [0, 1]");
-        }
+        require(texture.image >= 0 && texture.image < static_cast<int>(scene.images.size()),
+                "images are in range");
+    }
+    for (const TextureImage& image : scene.images) {
+        const size_t texels = 4 * image.texelCount();
+        require(image.width > 0 && image.height > 0 &&
+                    image.bytes.size() + image.words.size() == texels &&
+                    (image.bytes.empty() || image.words.empty()),
+                "images have the texels of their size");
     }
     for (size_t i = 0; i < scene.triangles.size(); ++i) {
-        const Material& material = scene.materials[scene.materials_of[i]];
-        const vec2 uv = scene.uvs[scene.triangles[i].x];
-        require(within(materialAt(scene, material, uv).base_color, 0, 1.0f + kUnitTolerance),
-                "textured colours are in range");
+        const MaterialParams p = materialAt(scene, static_cast<uint32_t>(i), vec3(1, 0, 0));
+        const float most = 1.0f + kUnitTolerance;
+        require(within(p.base_color, 0, most) && within(p.metallic, 0, most) &&
+                    within(p.roughness, 0, most) && within(p.specular, 0, most),
+                "textured materials are in range");
+        require(p.emission == emissionAt(scene, static_cast<uint32_t>(i), vec3(1, 0, 0)),
+                "emission is emission");
+        require(within(meanEmission(scene, static_cast<uint32_t>(i)), 0, largest),
+                "mean emission is in range");
     }
 }
 

@@ -103,6 +103,13 @@ constexpr const char* kKeys[] = {"accessors",
                                  "wrapS",
                                  "wrapT",
                                  "yfov",
+                                 "EXT_mesh_gpu_instancing",
+                                 "KHR_materials_unlit",
+                                 "offset",
+                                 "specularColorTexture",
+                                 "TANGENT",
+                                 "TEXCOORD_1",
+                                 "alphaCutoff",
                                  "zfar",
                                  "znear"};
 

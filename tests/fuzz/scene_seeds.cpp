@@ -19,7 +19,7 @@ scenes::Picture picture() {
 }
 
 // The scene with all that is checked, and what it is not.
-GltfFile textured() {
+GltfFile painted() {
     GltfFile file = sound();
     Json& json = file.json;
     json["images"][0] = {{"bufferView", file.addView(scenes::encodePng(picture()))},
@@ -81,9 +81,30 @@ GltfFile quantized() {
     return file;
 }
 
+// Everything that varies over a surface.
+GltfFile varied() {
+    GltfFile file = painted();
+    Json& json = file.json;
+    Json& attributes = json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["TEXCOORD_1"] = file.addAccessor<float>({0, 0, 1, 0, 0, 1}, kFloat, "VEC2", 2);
+    attributes["COLOR_0"] = file.addAccessor<float>({1, 0, 0, 0, 1, 0, 0, 0, 1}, kFloat, "VEC3", 3);
+    json["samplers"][0] = {{"magFilter", 9728}, {"wrapS", 33071}, {"wrapT", 33648}};
+    Json& material = json["materials"][0];
+    material["emissiveFactor"] = {1, 1, 1};
+    material["emissiveTexture"] = {{"index", 0}, {"texCoord", 1}};
+    material["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"] = 1;
+    material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
+        {"offset", {0.5, 0.25}}, {"rotation", 0.7}, {"scale", {2, 3}}, {"texCoord", 1}};
+    material["extensions"]["KHR_materials_specular"] = {{"specularTexture", {{"index", 0}}},
+                                                        {"specularColorTexture", {{"index", 1}}}};
+    json["materials"][1]["extensions"]["KHR_materials_unlit"] = Json::object();
+    json["extensionsUsed"] = {"KHR_texture_transform", "KHR_materials_unlit"};
+    return file;
+}
+
 // One of everything that is noted and left out, or mended.
 GltfFile leftOut() {
-    GltfFile file = textured();
+    GltfFile file = painted();
     Json& json = file.json;
     json["images"].push_back(
         {{"uri",
@@ -96,7 +117,7 @@ GltfFile leftOut() {
         material[texture]["index"] = 0;
     }
     material["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"] = 2;
-    material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 1;
+    material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 2;
     material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] =
         Json::object();
     material["alphaMode"] = "BLEND";
@@ -104,7 +125,6 @@ GltfFile leftOut() {
     json["materials"][1]["extensions"]["KHR_materials_specular"]["specularTexture"]["index"] = 0;
     json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"mode", 1}});
     Json& primitive = json["meshes"][0]["primitives"][0];
-    primitive["attributes"]["COLOR_0"] = 0;
     primitive["targets"] = Json::array({{{"POSITION", 0}}});
     json["nodes"][0]["skin"] = 0;
     json["nodes"][0]["matrix"] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2};
@@ -184,7 +204,8 @@ std::string asText(GltfFile file, const std::string& uri) {
 std::vector<std::pair<std::string, std::string>> sceneSeeds() {
     const std::vector<uint8_t> cornell = scenes::encodeGlb(scenes::cornellGlossy());
     return {{"sound.glb", sound().glb()},
-            {"textured.glb", textured().glb()},
+            {"textured.glb", painted().glb()},
+            {"varied.glb", varied().glb()},
             {"transformed.glb", transformed().glb()},
             {"quantized.glb", quantized().glb()},
             {"left_out.glb", leftOut().glb()},

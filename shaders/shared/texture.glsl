@@ -1,0 +1,101 @@
+// Textures: where a point of a surface finds its texels, and what these make of its material.
+// Based on: the glTF 2.0 specification, KHR_texture_transform, KHR_materials_specular.
+#ifndef SHARED_TEXTURE_GLSL
+#define SHARED_TEXTURE_GLSL
+
+#include "shared/brdf.glsl"
+
+const int WRAP_REPEAT = 0;
+const int WRAP_CLAMP = 1;
+const int WRAP_MIRROR = 2;
+
+FN int wrapTexel(int i, int size, int wrap) {
+    if (wrap == WRAP_CLAMP) {
+        return clamp(i, 0, size - 1);
+    }
+    int period = wrap == WRAP_MIRROR ? 2 * size : size;
+    // In GLSL % of a negative number is undefined.
+    int j = i < 0 ? period - 1 - (-1 - i) % period : i % period;
+    return j < size ? j : period - 1 - j;
+}
+
+// The four texels of a bilinear lookup, and the fraction between them.
+struct TextureTaps {
+    ivec2 lower;
+    ivec2 upper;
+    vec2 fraction;
+};
+
+// uv as in glTF: (0, 0) is the corner of the first texel of the first row.
+FN TextureTaps textureTaps(IN(vec2) uv, IN(ivec2) size, IN(ivec2) wrap) {
+    TextureTaps taps;
+    // Keep the fraction exact for far-out coordinates; mirrored wrapping has period 2.
+    vec2 reduced = uv - 2.0f * floor(0.5f * uv);
+    vec2 base = vec2(wrap.x == WRAP_CLAMP ? clamp(uv.x, 0.0f, 1.0f) : reduced.x,
+                     wrap.y == WRAP_CLAMP ? clamp(uv.y, 0.0f, 1.0f) : reduced.y);
+    vec2 t = base * vec2(size) - vec2(0.5f);
+    vec2 cell = floor(t);
+    taps.fraction = t - cell;
+    ivec2 i = ivec2(cell);
+    taps.lower = ivec2(wrapTexel(i.x, size.x, wrap.x), wrapTexel(i.y, size.y, wrap.y));
+    taps.upper = ivec2(wrapTexel(i.x + 1, size.x, wrap.x), wrapTexel(i.y + 1, size.y, wrap.y));
+    return taps;
+}
+
+// The one texel that uv lies in, in the same form.
+FN TextureTaps nearestTaps(IN(vec2) uv, IN(ivec2) size, IN(ivec2) wrap) {
+    TextureTaps taps = textureTaps(uv, size, wrap);
+    taps.lower.x = taps.fraction.x < 0.5f ? taps.lower.x : taps.upper.x;
+    taps.lower.y = taps.fraction.y < 0.5f ? taps.lower.y : taps.upper.y;
+    taps.upper = taps.lower;
+    taps.fraction = vec2(0.0f);
+    return taps;
+}
+
+// Texture coordinates as one of a material's textures takes them. [KHR_texture_transform]
+struct TextureTransform {
+    vec2 row_u;
+    vec2 row_v;
+    vec2 offset;
+};
+
+FN vec2 transformedUv(IN(TextureTransform) t, IN(vec2) uv) {
+    return vec2(dot(t.row_u, uv), dot(t.row_v, uv)) + t.offset;
+}
+
+// What a material's textures are for.
+const int TEXTURE_BASE_COLOR = 0;
+const int TEXTURE_METALLIC_ROUGHNESS = 1;  // green: roughness, blue: metallic
+const int TEXTURE_EMISSION = 2;
+const int TEXTURE_SPECULAR = 3;  // alpha
+const int TEXTURE_SPECULAR_COLOR = 4;
+const int TEXTURE_USES = 5;
+
+// The material with a texel of one of its textures, linear light, applied: a factor.
+FN MaterialParams withTexel(IN(MaterialParams) material, int use, IN(vec4) texel) {
+    MaterialParams m = material;
+    vec3 color = vec3(texel.x, texel.y, texel.z);
+    if (use == TEXTURE_BASE_COLOR) {
+        m.base_color *= color;
+    } else if (use == TEXTURE_METALLIC_ROUGHNESS) {
+        m.roughness *= texel.y;
+        m.metallic *= texel.z;
+    } else if (use == TEXTURE_EMISSION) {
+        m.emission *= color;
+    } else if (use == TEXTURE_SPECULAR) {
+        m.specular *= texel.w;
+    } else {
+        m.specular_color *= color;
+    }
+    return m;
+}
+
+// The material with a vertex colour applied. An unlit one has its colour as emission.
+FN MaterialParams withVertexColor(IN(MaterialParams) material, IN(vec3) color, bool unlit) {
+    MaterialParams m = material;
+    m.base_color *= color;
+    m.emission *= unlit ? color : vec3(1.0f);
+    return m;
+}
+
+#endif

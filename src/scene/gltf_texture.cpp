@@ -1,0 +1,188 @@
+// Textures: images, each decoded once however many materials show it, and how they are looked up.
+#include <algorithm>
+#include <cmath>
+
+#include "core/memory.h"
+#include "image/decode.h"
+#include "scene/gltf_parts.h"
+
+namespace sheen::gltf {
+namespace {
+
+// An image of more texels is left out.
+constexpr int64_t kMaxTexels = int64_t{1} << 27;
+// What a byte of a file can hold at most: zlib packs 1032 bytes of 8 texels each into one, and
+// JPEG's blocks of 64 texels take a bit or more.
+constexpr int64_t kTexelsPerPngByte = 1032 * 8;
+constexpr int64_t kTexelsPerJpegByte = 64 * 8;
+
+int wrapOf(const File& file, int gl_wrap, const std::string& where) {
+    switch (gl_wrap) {
+        case TINYGLTF_TEXTURE_WRAP_REPEAT:
+            return shared::WRAP_REPEAT;
+        case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+            return shared::WRAP_CLAMP;
+        case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+            return shared::WRAP_MIRROR;
+        default:
+            file.fail(where, "wrap mode {} is unknown; use 10497, 33071 or 33648", gl_wrap);
+    }
+}
+
+// Checks what an image's header says before memory is taken for it.
+void checkImage(const File& file, const ImageHeader& header, size_t bytes,
+                const std::string& where) {
+    const int64_t texels = int64_t{header.width} * header.height;
+    if (texels > kMaxTexels) {
+        throw DecodeError(fmt::format("{} x {} texels are too many", header.width, header.height));
+    }
+    const int64_t a_byte =
+        header.format == ImageFormat::kPng ? kTexelsPerPngByte : kTexelsPerJpegByte;
+    if (texels / a_byte > static_cast<int64_t>(bytes)) {
+        throw DecodeError(fmt::format("its {} bytes cannot hold the {} x {} texels it promises",
+                                      bytes, header.width, header.height));
+    }
+    constexpr int64_t kBytesPerTexel = 16;  // as decoded, and as kept
+    checkMemory({.bytes = static_cast<uint64_t>(texels * kBytesPerTexel)},
+                fmt::format("{}: {}", file.path, where), "use a smaller image");
+}
+
+// Of 8 bits a channel where that loses nothing.
+TextureImage storedImage(DecodedImage image) {
+    constexpr uint16_t kWords = 257;  // to a byte
+    TextureImage stored{.width = image.width, .height = image.height, .bytes = {}, .words = {}};
+    const bool bytes = std::all_of(image.rgba.begin(), image.rgba.end(),
+                                   [](uint16_t word) { return word % kWords == 0; });
+    if (!bytes) {
+        stored.words = std::move(image.rgba);
+        return stored;
+    }
+    stored.bytes.resize(image.rgba.size());
+    std::transform(image.rgba.begin(), image.rgba.end(), stored.bytes.begin(),
+                   [](uint16_t word) { return static_cast<uint8_t>(word / kWords); });
+    return stored;
+}
+
+// Index into Scene::images; -1, with a note, where it cannot be read.
+int loadImage(File& file, int index, Scene& scene) {
+    const tinygltf::Image& source = file.model.images[static_cast<size_t>(index)];
+    const std::string where = label("image", static_cast<size_t>(index), source.name);
+    ByteSpan bytes{source.image.data(), source.image.size()};
+    if (source.bufferView >= 0) {
+        bytes = bufferViewBytes(file, source.bufferView, where);
+    }
+    if (bytes.size == 0) {
+        file.notes.add(
+            fmt::format("{}: {} cannot be read: materials shown without it; put it "
+                        "beside the scene, or embed it",
+                        where, source.uri.empty() ? "it" : oneLine(source.uri)));
+        return -1;
+    }
+    const std::span<const uint8_t> encoded(bytes.data, bytes.size);
+    try {
+        checkImage(file, readImageHeader(encoded), bytes.size, where);
+        scene.images.push_back(storedImage(decodeImage(encoded)));
+    } catch (const DecodeError& error) {
+        file.notes.add(
+            fmt::format("{}: it cannot be decoded: {}: materials shown without it; use "
+                        "an intact PNG or JPEG",
+                        where, oneLine(error.what())));
+        return -1;
+    }
+    return static_cast<int>(scene.images.size()) - 1;
+}
+
+vec2 pairMember(const File& file, const tinygltf::Value& object, const char* key,
+                const vec2& fallback, const std::string& where) {
+    if (!object.Has(key)) {
+        return fallback;
+    }
+    const tinygltf::Value& member = object.Get(key);
+    if (member.ArrayLen() != 2 || !member.Get(0).IsNumber() || !member.Get(1).IsNumber()) {
+        file.fail(where, "{} must hold two numbers", key);
+    }
+    return {finiteFloat(file, member.Get(0).GetNumberAsDouble(), where, key),
+            finiteFloat(file, member.Get(1).GetNumberAsDouble(), where, key)};
+}
+
+// uv' = offset + rotation * scale * uv; the image's rows run downward, and so does v.
+void readTransform(const File& file, const tinygltf::Value& extension, const std::string& where,
+                   TextureUse& use) {
+    const vec2 scale = pairMember(file, extension, "scale", vec2(1.0f), where);
+    const double angle =
+        finiteFloat(file, numberMember(file, extension, "rotation", 0.0, where), where, "rotation");
+    const auto cosine = static_cast<float>(std::cos(angle));
+    const auto sine = static_cast<float>(std::sin(angle));
+    use.transform = {.row_u = vec2(cosine, sine) * scale,
+                     .row_v = vec2(-sine, cosine) * scale,
+                     .offset = pairMember(file, extension, "offset", vec2(0.0f), where)};
+}
+
+}  // namespace
+
+TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const std::string& where) {
+    TextureInfo info;
+    info.index = integerMember(file, object, "index", -1, where);
+    info.uv_set = integerMember(file, object, "texCoord", 0, where);
+    if (object.Has("extensions") && object.Get("extensions").Has("KHR_texture_transform")) {
+        info.transform = object.Get("extensions").Get("KHR_texture_transform");
+    }
+    return info;
+}
+
+int TextureLoader::load(int index, bool srgb, const std::string& owner) {
+    const tinygltf::Texture& source = file_.at(file_.model.textures, index, owner, "texture");
+    const std::string where = fmt::format("texture {}", index);
+    if (source.source < 0) {
+        file_.notes.add(source.extensions.empty()
+                            ? fmt::format("{} has no image: materials shown without it", where)
+                            : fmt::format("{}: its image format ({}) is not supported: materials "
+                                          "shown without it; use PNG or JPEG",
+                                          where, oneLine(source.extensions.begin()->first)));
+        return -1;
+    }
+    file_.at(file_.model.images, source.source, where, "image");
+    const auto [image, is_new] = images_.try_emplace(source.source, -1);
+    if (is_new) {
+        image->second = loadImage(file_, source.source, scene_);
+    }
+    Texture texture{.image = image->second, .srgb = srgb};
+    if (source.sampler != -1) {
+        const tinygltf::Sampler& sampler =
+            file_.at(file_.model.samplers, source.sampler, where, "sampler");
+        const std::string sampler_where = fmt::format("sampler {}", source.sampler);
+        texture.wrap = {wrapOf(file_, sampler.wrapS, sampler_where),
+                        wrapOf(file_, sampler.wrapT, sampler_where)};
+        texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    }
+    if (texture.image < 0) {
+        return -1;
+    }
+    const auto known = std::find(scene_.textures.begin(), scene_.textures.end(), texture);
+    if (known == scene_.textures.end()) {
+        scene_.textures.push_back(texture);
+        return static_cast<int>(scene_.textures.size()) - 1;
+    }
+    return static_cast<int>(known - scene_.textures.begin());
+}
+
+TextureUse TextureLoader::use(const TextureInfo& info, bool srgb, const std::string& owner) {
+    if (info.index == -1) {
+        return {};
+    }
+    TextureUse use;
+    use.uv_set = info.uv_set;
+    if (info.transform.IsObject()) {
+        readTransform(file_, info.transform, owner, use);
+        use.uv_set = integerMember(file_, info.transform, "texCoord", use.uv_set, owner);
+    }
+    if (use.uv_set != 0 && use.uv_set != 1) {
+        file_.notes.add(fmt::format("TEXCOORD_{} is not supported: material textured by TEXCOORD_0",
+                                    use.uv_set));
+        use.uv_set = 0;
+    }
+    use.texture = load(info.index, srgb, owner);
+    return use;
+}
+
+}  // namespace sheen::gltf

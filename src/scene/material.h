@@ -1,0 +1,76 @@
+// What surfaces are made of: factors, and textures that vary them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/math.h"
+#include "scene/shared.h"
+
+namespace sheen {
+
+using shared::Brdf;
+using shared::MaterialParams;
+
+/// An image as the file stores it, without any transfer function: [y][x][4], first row first, red,
+/// green, blue and alpha.
+struct TextureImage {
+    int width = 0;
+    int height = 0;
+    // One of the two is empty.
+    std::vector<uint8_t> bytes;   ///< of 255
+    std::vector<uint16_t> words;  ///< of 65535
+
+    size_t texelCount() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
+};
+
+/// A way to look an image up.
+struct Texture {
+    int image = 0;  ///< index into Scene::images
+    glm::ivec2 wrap{shared::WRAP_REPEAT};
+    bool nearest = false;  ///< not interpolated
+    bool srgb = false;     ///< colours are sRGB, not linear light; alpha never is
+
+    bool operator==(const Texture&) const = default;
+};
+
+/// A texel in linear light, with alpha.
+vec4 texelOf(const TextureImage& image, bool srgb, int x, int y);
+
+/// One of a material's textures.
+struct TextureUse {
+    int texture = -1;  ///< index into Scene::textures; -1: none, white
+    int uv_set = 0;    ///< which coordinates of the vertices: 0 or 1
+    shared::TextureTransform transform{.row_u = {1, 0}, .row_v = {0, 1}, .offset = {0, 0}};
+
+    bool used() const { return texture >= 0; }
+    bool operator==(const TextureUse& other) const {
+        return texture == other.texture && uv_set == other.uv_set &&
+               transform.row_u == other.transform.row_u &&
+               transform.row_v == other.transform.row_v &&
+               transform.offset == other.transform.offset;
+    }
+};
+
+struct Material {
+    std::string name;       ///< one line
+    MaterialParams params;  ///< factors, which the textures multiply
+    std::array<TextureUse, shared::TEXTURE_USES> textures;  ///< by what they are for
+    /// Shows its colour whatever the light: that is its emission, and it scatters nothing.
+    bool unlit = false;
+
+    bool textured() const {
+        for (const TextureUse& use : textures) {
+            if (use.used()) {
+                return true;
+            }
+        }
+        return false;
+    }
+    /// Whether some point of it does.
+    bool emits() const { return params.emission != vec3(0.0f); }
+};
+
+}  // namespace sheen
