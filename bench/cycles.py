@@ -161,8 +161,8 @@ def main():
         render_in_blender(arguments[0], arguments[1], *map(int, arguments[2:5]), arguments[5])
         return
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("--size", type=int, default=128, help="of the square images, in pixels")
-    parser.add_argument("--spp", type=int, default=1024, help="paths a pixel, of both")
+    parser.add_argument("--size", type=int, default=256, help="of the square images, in pixels")
+    parser.add_argument("--spp", type=int, default=64, help="paths a pixel, of both")
     parser.add_argument("--bounces", type=int, default=4)
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help="default: all of them")
     options = parser.parse_args()
