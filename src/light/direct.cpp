@@ -35,7 +35,7 @@ Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer) {
                     const size_t i = pixels[k];
                     const vec4& normal = gbuffer.normal.pixels[i];
                     const vec4& diffuse = gbuffer.diffuse.pixels[i];
-                    const Scatterer surface{.n = vec3(normal),
+                    const Scatterer surface{.n = gbuffer.mappedNormalAt(i),
                                             .brdf = {.diffuse = vec3(diffuse),
                                                      .alpha = shared::alphaFromRoughness(normal.w),
                                                      .f0 = gbuffer.f0.pixels[i],

@@ -18,6 +18,9 @@ struct GBuffer {
     View view;
     Image<vec4> position;  ///< world space; w: depth along the view axis
     Image<vec4> normal;    ///< shading normal, world space; w: perceptual roughness
+    /// By normal maps, for direct light; empty where no material has one. Records stand on, and
+    /// serve, the smooth surface.
+    Image<vec3> mapped_normal;
     Image<vec4> diffuse;   ///< diffuse reflectance toward the camera; w: F90
     Image<vec3> f0;        ///< specular F0
     Image<vec3> direct;    ///< radiance of direct light
@@ -25,6 +28,10 @@ struct GBuffer {
     Image<uint32_t> primitive;
     float pixel_angle = 0;  ///< width of a pixel at depth 1
 
+    /// By which direct light is scattered.
+    vec3 mappedNormalAt(size_t pixel) const {
+        return mapped_normal.empty() ? vec3(normal.pixels[pixel]) : mapped_normal.pixels[pixel];
+    }
     bool seen(int i) const { return position.pixels[static_cast<size_t>(i)].w > 0.0f; }
     /// What pixel i is wide at the distance of what it sees, in scene units.
     float footprintAt(int i) const {
