@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "baselines/ward_record.h"
-#include "cache/ray_gather.h"
+#include "gather/ray_gather.h"
 
 namespace sheen::bench {
 

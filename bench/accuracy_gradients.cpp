@@ -7,8 +7,8 @@
 #include <cmath>
 #include <optional>
 
-#include "cache/gather.h"
 #include "core/parallel.h"
+#include "gather/integrate.h"
 #include "reference/sobol.h"
 #include "sh/brdf_sh.h"
 #include "sh/projection.h"

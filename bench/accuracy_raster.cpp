@@ -4,9 +4,9 @@
 
 #include "accuracy_gather.h"
 #include "accuracy_truth.h"
-#include "cache/raster_gather.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gather/raster_gather.h"
 #include "raster/gpu_scene.h"
 
 namespace sheen::bench {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "accuracy_sh.h"
-#include "cache/classes.h"
+#include "receivers/classes.h"
 #include "sh/brdf_sh.h"
 
 namespace sheen::bench {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "cache/gather.h"
-#include "cache/record.h"
+#include "gather/integrate.h"
 #include "hemisphere/hemisphere.h"
 #include "light/scattered_once.h"
+#include "record/record.h"
 #include "scene/scene.h"
 
 namespace sheen::bench {

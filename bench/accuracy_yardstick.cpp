@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <deque>
 #include <iterator>
 
 #include "accuracy_gather.h"
@@ -62,7 +63,7 @@ std::vector<Way> gatherEveryWay(const BenchScene& scene, int sites) {
         ways.push_back({.name = "Embree", .size = rings});
         strata.emplace_back(rings);
     }
-    std::vector<RayGatherer> gatherers;
+    std::deque<RayGatherer> gatherers;
     std::vector<std::vector<RecordSite>> told;  // of each gatherer
     for (int side : kSides) {
         ways.push_back({.name = "gather", .size = side});

@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "accuracy_gather.h"
-#include "cache/raster_gather.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gather/raster_gather.h"
 #include "render/render.h"
 #include "sh/projection.h"
 #include "stages_setup.h"

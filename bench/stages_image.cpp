@@ -8,10 +8,10 @@
 #include <numeric>
 
 #include "cache/estimate.h"
-#include "cache/served.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "image/exr.h"
+#include "receivers/served.h"
 #include "render/render.h"
 #include "splat/splat.h"
 #include "stages_setup.h"
@@ -60,11 +60,11 @@ void place(State& state, Setup& setup, int order, int count) {
 }
 
 // Pixels of the quads that a pass of splatGpu() draws.
-double shadedFragments(const GBuffer& gbuffer, const RecordCache& cache,
+double shadedFragments(const Receivers& receivers, const RecordCache& cache,
                        const WeightParams& weight) {
     double area = 0.0;
     for (const Record& r : cache.records) {
-        const PixelRect b = reachedBounds(gbuffer, r, weight);
+        const PixelRect b = reachedBounds(receivers, r, weight);
         area += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
     }
     return area;
@@ -83,15 +83,13 @@ double fragmentBytes(int order) {
 // fragment and after its last, in uploads, shaders and reading back.
 void splat(State& state, Setup& setup, int order) {
     const MadeUpRecords& made = setup.madeUpRecords(order, kSplatRecords);
-    const GBuffer& gbuffer = made.view.gbuffer;
     const WeightParams weight = made.params.servingWeight();
     const RecordCache& all = made.placement.cache;
     RecordCache one = all;
     one.records.resize(1);
     const auto seconds = [&](const RecordCache& cache) {
         const Timer timer;
-        benchmark::DoNotOptimize(
-            splatGpu(setup.pool(), gbuffer, made.classes, made.lobes, cache, weight));
+        benchmark::DoNotOptimize(splatGpu(setup.pool(), made.receivers, cache, weight));
         return timer.seconds();
     };
     seconds(one);  // shaders are compiled by their first draw
@@ -102,7 +100,7 @@ void splat(State& state, Setup& setup, int order) {
         whole += s;
         fixed += seconds(one);
     }
-    const Image<float> served = countRecords(gbuffer, made.classes, all, weight);
+    const Image<float> served = countRecords(made.receivers, all, weight);
     const double accepted = std::accumulate(served.pixels.begin(), served.pixels.end(), 0.0);
     const auto times = static_cast<double>(state.iterations());
     state.counters["order"] = order;
@@ -110,7 +108,7 @@ void splat(State& state, Setup& setup, int order) {
     state.counters["fixed_ms"] = 1e3 * fixed / times;
     state.counters["accepted_per_s"] = accepted * times / whole;
     state.counters["net_accepted_per_s"] = accepted * times / (whole - fixed);
-    state.counters["accepted_share"] = accepted / shadedFragments(gbuffer, all, weight);
+    state.counters["accepted_share"] = accepted / shadedFragments(made.receivers, all, weight);
     state.counters["fragment_bytes"] = fragmentBytes(order);
 }
 
@@ -135,20 +133,17 @@ void triad(State& state, Setup&) {
 
 void composeFrame(State& state, Setup& setup, int order, bool estimate) {
     const MadeUpRecords& made = setup.madeUpRecords(order, kSplatRecords);
-    const GBuffer& gbuffer = made.view.gbuffer;
     const WeightParams weight = made.params.servingWeight();
-    const SplatBuffer sums =
-        splatGpu(setup.pool(), gbuffer, made.classes, made.lobes, made.placement.cache, weight);
-    const Image<vec3> traced(gbuffer.width, gbuffer.height);
+    const SplatBuffer sums = splatGpu(setup.pool(), made.receivers, made.placement.cache, weight);
+    const Image<vec3> traced(made.receivers.image.width, made.receivers.image.height);
     Frame frame;
-    compose(gbuffer, made.classes, made.lobes, sums, traced, {}, frame);
+    compose(made.receivers, sums, traced, true, frame);
     for (auto _ : state) {
         if (estimate) {
-            benchmark::DoNotOptimize(neighbourErrors(gbuffer, made.classes, made.lobes,
-                                                     made.placement.cache, made.field.pixels,
-                                                     weight, frame.indirect));
+            benchmark::DoNotOptimize(neighbourErrors(made.receivers, made.placement.cache,
+                                                     made.field.pixels, weight, frame.indirect));
         } else {
-            compose(gbuffer, made.classes, made.lobes, sums, traced, {}, frame);
+            compose(made.receivers, sums, traced, true, frame);
         }
     }
     state.counters["order"] = order;

@@ -55,37 +55,36 @@ Scene tessellated(const Scene& scene, int n) {
 }
 
 // The same of every site: uniform light, which no neighbour disagrees with.
-std::vector<GatheredRecord> makeUp(std::span<const RecordSite> sites) {
-    std::vector<GatheredRecord> results(sites.size());
-    for (size_t i = 0; i < sites.size(); ++i) {
-        GatheredRecord& g = results[i];
-        g.record.position = sites[i].position;
-        g.record.normal = sites[i].normal;
-        g.record.tangent = tangentFrame(sites[i].normal)[0];
-        g.record.order = sites[i].order;
-        g.record.irradiance = vec3(1.0f);
-        g.record.radius = 1.0f;
-        if (sites[i].order > 0) {
-            const ShLayout layout = shLayout(sites[i].order);
-            g.sh.assign(static_cast<size_t>(layout.size()), 0.0f);
-            std::fill_n(g.sh.begin(), 3 * layout.coefficients(), 0.5f);
+class MadeUpGatherer : public Gatherer {
+  public:
+    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override {
+        std::vector<GatheredRecord> results(sites.size());
+        for (size_t i = 0; i < sites.size(); ++i) {
+            GatheredRecord& g = results[i];
+            g.record.position = sites[i].position;
+            g.record.normal = sites[i].normal;
+            g.record.tangent = tangentFrame(sites[i].normal)[0];
+            g.record.order = sites[i].order;
+            g.record.irradiance = vec3(1.0f);
+            g.record.radius = 1.0f;
+            if (sites[i].order > 0) {
+                const ShLayout layout = shLayout(sites[i].order);
+                g.sh.assign(static_cast<size_t>(layout.size()), 0.0f);
+                std::fill_n(g.sh.begin(), 3 * layout.coefficients(), 0.5f);
+            }
         }
+        return results;
     }
-    return results;
-}
+};
 
-PixelClasses uniformClasses(const GBuffer& gbuffer, int order) {
-    PixelClasses classes;
-    classes.orders = Image<int>(gbuffer.width, gbuffer.height, kNoOrder);
-    classes.by_rays = Image<uint8_t>(gbuffer.width, gbuffer.height);
-    classes.materials = Image<int>(gbuffer.width, gbuffer.height);
-    for (int i = 0; i < gbuffer.width * gbuffer.height; ++i) {
-        if (gbuffer.seen(i)) {
-            classes.orders.pixels[static_cast<size_t>(i)] = order;
-            ++classes.geometry;
-        }
+Receivers receiversOfOrder(const View512& view, int order) {
+    Receivers receivers = receiversOf(view.scene, view.gbuffer, 0, true);
+    for (int8_t& own : receivers.orders) {
+        own = static_cast<int8_t>(own == kNoOrder ? kNoOrder : order);
     }
-    return classes;
+    receivers.irradiance_only = false;
+    receivers.lobes = buildLobes(receivers);
+    return receivers;
 }
 
 }  // namespace
@@ -158,13 +157,11 @@ const MadeUpRecords& Setup::madeUpRecords(int order, int count) {
 }
 
 MadeUpRecords::MadeUpRecords(const View512& view_, int order, int count)
-    : view(view_),
-      classes(uniformClasses(view.gbuffer, order)),
-      lobes(buildLobes(view.gbuffer, classes)) {
+    : view(view_), receivers(receiversOfOrder(view, order)) {
     // All records reach as many pixels; the count falls with the square of it.
     constexpr int kTries = 4;
     constexpr double kNear = 0.03;
-    double reach = std::sqrt(classes.geometry / static_cast<double>(count));
+    double reach = std::sqrt(receivers.counts.seen / static_cast<double>(count));
     for (int i = 0; i < kTries; ++i) {
         params.min_pixels = params.max_pixels = static_cast<float>(reach);
         field = {};
@@ -178,7 +175,8 @@ MadeUpRecords::MadeUpRecords(const View512& view_, int order, int count)
 }
 
 Placement MadeUpRecords::place(RecordField& field) const {
-    return placeRecords(view.scene, view.gbuffer, classes, lobes, params, makeUp, true, field);
+    MadeUpGatherer gatherer;
+    return placeRecords(view.scene, receivers, params, gatherer, field, true);
 }
 
 }  // namespace sheen::bench

@@ -6,11 +6,10 @@
 #include <string>
 
 #include "accuracy_sites.h"
-#include "cache/classes.h"
-#include "cache/lobes.h"
 #include "cache/placement.h"
 #include "light/scattered_once.h"
 #include "raster/gpu_scene.h"
+#include "receivers/receivers.h"
 #include "reference/ray_scene.h"
 
 namespace sheen::bench {
@@ -57,8 +56,7 @@ struct MadeUpRecords {
     Placement place(RecordField& field) const;
 
     const View512& view;
-    PixelClasses classes;  ///< every pixel of one order
-    PixelLobes lobes;
+    Receivers receivers;  ///< all of one order
     PlacementParams params;
     RecordField field;
     Placement placement;

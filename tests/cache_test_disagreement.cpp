@@ -116,7 +116,7 @@ TEST(Disagreement, NeverShrinksAReachBelowItsLeast) {
 
 TEST(Disagreement, GlossyPixelsJudgeWhatTheyReflect) {
     Stage stage = makeStage(4, 4);
-    stage.gbuffer.f0 = Image<vec3>(kWidth, kHeight, vec3(0.9f));
+    stage.receivers.f0.assign(kWidth * kHeight, vec3(0.9f));
     // Band 0 alone, so that the mirrors look alike from every side; the irradiance stays.
     const auto reflecting = [](const std::function<float(const vec3&)>& light) {
         return [light](const RecordSite& site, GatheredRecord& g) {

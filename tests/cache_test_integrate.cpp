@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "cache/gather.h"
+#include "gather/integrate.h"
 #include "sh/projection.h"
 #include "test_scenes.h"
 

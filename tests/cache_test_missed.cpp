@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "cache/gather.h"
 #include "cache/ray_filter.h"
+#include "gather/integrate.h"
 #include "scene/shared.h"
 #include "test_placement.h"
 
@@ -75,11 +75,12 @@ TEST(LobeLight, NoLobeNoLight) {
 // What a record misses is the lobe's light less what it says of it, and belongs to its material.
 TEST(Placement, RecordsKeepWhatTheyMiss) {
     Stage stage = makeStage(0, 0);
-    stage.gbuffer.f0 = Image<vec3>(kWidth, kHeight, vec3(0.04f));
-    stage.gbuffer.diffuse = Image<vec4>(kWidth, kHeight, vec4(0.1f, 0.1f, 0.1f, 1.0f));
+    stage.receivers.f0.assign(kWidth * kHeight, vec3(0.04f));
+    stage.receivers.diffuse.assign(kWidth * kHeight, vec3(0.1f));
+    stage.receivers.f90.assign(kWidth * kHeight, 1.0f);
     for (int x = kWidth / 2; x < kWidth; ++x) {
         for (int y = 0; y < kHeight; ++y) {
-            stage.classes.materials.at(x, y) = 7;
+            stage.receivers.materials[stage.receivers.image.index(x, y)] = 7;
         }
     }
     RecordField field;
@@ -106,11 +107,8 @@ struct Noisy {
     Image<vec3> truth{kWidth, kHeight};
 
     Noisy(const std::function<float(int, int)>& light_at, float noise) {
-        stage.classes.by_rays = Image<uint8_t>(kWidth, kHeight, 1);
-        for (int i = 0; i < kWidth * kHeight; ++i) {
-            if (!stage.gbuffer.seen(i)) {
-                stage.classes.by_rays.pixels[static_cast<size_t>(i)] = 0;
-            }
+        for (size_t i = 0; i < kWidth * kHeight; ++i) {
+            stage.receivers.by_rays[i] = stage.receivers.seen(i) ? 1 : 0;
         }
         light = {.halves = {truth, truth},
                  .guide = truth,
@@ -130,14 +128,14 @@ struct Noisy {
         double squares = 0.0;
         int count = 0;
         for (size_t i = 0; i < truth.pixels.size(); ++i) {
-            if (stage.classes.by_rays.pixels[i] != 0) {
+            if (stage.receivers.by_rays[i] != 0) {
                 squares += std::pow(image.pixels[i].x - truth.pixels[i].x, 2);
                 ++count;
             }
         }
         return std::sqrt(squares / count);
     }
-    Image<vec3> filtered() const { return filterLight(stage.gbuffer, stage.classes, light); }
+    Image<vec3> filtered() const { return filterLight(stage.receivers, light); }
 };
 
 TEST(FilterLight, TakesNoiseOffSmoothLight) {

@@ -18,7 +18,7 @@ TEST(Placement, CoversEveryPixelForAnyBatchAndStride) {
             expectCovered(stage, params, placement);
             EXPECT_GT(placement.cache.records.size(), 0u);
             EXPECT_LT(placement.cache.records.size(),
-                      static_cast<size_t>(stage.classes.geometry / 4));
+                      static_cast<size_t>(stage.receivers.counts.seen / 4));
         }
     }
 }
@@ -43,8 +43,8 @@ TEST(Placement, BatchesNeedNoMoreRecordsThanTheScan) {
 
 TEST(Placement, NothingSeenNothingPlaced) {
     Stage stage = makeStage(0, 0);
-    stage.gbuffer.position = Image<vec4>(kWidth, kHeight);
-    stage.classes.orders = Image<int>(kWidth, kHeight, kNoOrder);
+    stage.receivers.footprints.assign(kWidth * kHeight, 0.0f);
+    stage.receivers.orders.assign(kWidth * kHeight, kNoOrder);
     const Placement placement = place(stage, {});
     EXPECT_TRUE(placement.cache.records.empty());
     EXPECT_EQ(placement.uncovered, 0);
@@ -55,8 +55,8 @@ TEST(Placement, NothingSeenNothingPlaced) {
 TEST(Placement, APixelThatNothingServesIsCounted) {
     Stage stage = makeStage(0, 0);
     constexpr int kPixel = kWidth * (kHeight - 1) + kWidth / 2;
-    ASSERT_TRUE(stage.gbuffer.seen(kPixel));
-    stage.gbuffer.normal.pixels[kPixel] = vec4(std::nanf(""));
+    ASSERT_TRUE(stage.receivers.seen(kPixel));
+    stage.receivers.normals[kPixel] = vec3(std::nanf(""));
     EXPECT_EQ(place(stage, {}).uncovered, 1);
 }
 
@@ -97,14 +97,14 @@ TEST(Placement, HostileRadiiAreClamped) {
 
 TEST(ReachedBounds, HoldWhatHasWeightAndEndWhereTheReachDoes) {
     const Stage stage = makeStage(0, 0);
-    const GBuffer& g = stage.gbuffer;
+    const Receivers& receivers = stage.receivers;
     const PlacementParams params;
     const WeightParams weight = params.servingWeight();
     const auto area = [](const PixelRect& r) { return (r.x1 - r.x0) * (r.y1 - r.y0); };
     int served = 0, reached = 0;
     for (Record k : place(stage, params).cache.records) {
-        const PixelRect outer = servedBounds(g, k, weight);
-        const PixelRect rect = reachedBounds(g, k, weight);
+        const PixelRect outer = servedBounds(receivers.image, k, weight);
+        const PixelRect rect = reachedBounds(receivers, k, weight);
         served += area(outer);
         reached += area(rect);
         ASSERT_TRUE(rect.x0 >= outer.x0 && rect.x1 <= outer.x1 && rect.y0 >= outer.y0 &&
@@ -112,15 +112,15 @@ TEST(ReachedBounds, HoldWhatHasWeightAndEndWhereTheReachDoes) {
         bool left = false, right = false, bottom = false, top = false;
         for (int y = 0; y < kHeight; ++y) {
             for (int x = 0; x < kWidth; ++x) {
-                if (!g.seen(y * kWidth + x)) {
+                const size_t i = receivers.image.index(x, y);
+                if (!receivers.seen(i)) {
                     continue;
                 }
-                const vec4 p = g.position.at(x, y);
-                if (shared::recordWeight(weight, k.position, k.normal, k.radius, vec3(p),
-                                         vec3(g.normal.at(x, y)), p.w * g.pixel_angle) > 0.0f) {
+                if (weightAt(receivers, i, k, weight) > 0.0f) {
                     ASSERT_TRUE(x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1);
                 }
-                if (glm::distance(vec3(p), k.position) < 1.001f * weight.accuracy * k.radius) {
+                if (glm::distance(receivers.positions[i], k.position) <
+                    1.001f * weight.accuracy * k.radius) {
                     left |= x == rect.x0;
                     right |= x == rect.x1 - 1;
                     bottom |= y == rect.y0;
@@ -130,7 +130,7 @@ TEST(ReachedBounds, HoldWhatHasWeightAndEndWhereTheReachDoes) {
         }
         EXPECT_TRUE(left && right && bottom && top);
         k.position += vec3(0, 3.0f * weight.accuracy * k.radius, 0);
-        EXPECT_EQ(area(reachedBounds(g, k, weight)), 0);
+        EXPECT_EQ(area(reachedBounds(receivers, k, weight)), 0);
     }
     EXPECT_GT(reached, 0);
     EXPECT_LT(reached, 0.9 * served);
@@ -191,19 +191,16 @@ TEST(Placement, RecordsServeNoNeighbourThatTheirLightDoesNotAllow) {
         });
     expectCovered(stage, params, placement);
     int beside = 0;
-    for (int i = 0; i < kWidth * kHeight; ++i) {
-        const vec4 position = stage.gbuffer.position.pixels[static_cast<size_t>(i)];
-        const vec3 p(position);
-        const float footprint = position.w * stage.gbuffer.pixel_angle;
-        if (!stage.gbuffer.seen(i) || std::abs(p.x - 0.1f) > footprint) {
+    const Receivers& receivers = stage.receivers;
+    for (size_t i = 0; i < kWidth * kHeight; ++i) {
+        const vec3& p = receivers.positions[i];
+        if (!receivers.seen(i) || std::abs(p.x - 0.1f) > receivers.footprints[i]) {
             continue;
         }
         ++beside;
         float sum = 0.0f, light = 0.0f;
         for (const Record& r : placement.cache.records) {
-            const float w = shared::recordWeight(
-                params.servingWeight(), r.position, r.normal, r.radius, p,
-                vec3(stage.gbuffer.normal.pixels[static_cast<size_t>(i)]), footprint);
+            const float w = weightAt(receivers, i, r, params.servingWeight());
             sum += w;
             light += w * r.irradiance.x;
         }
@@ -399,12 +396,11 @@ TEST(Placement, AFinerPassAddsToTheField) {
 
 TEST(Placement, RefusesAGatherThatLosesSites) {
     const Stage stage = makeStage(0, 0);
-    const GatherFunction none = [](std::span<const RecordSite>) {
-        return std::vector<GatheredRecord>();
-    };
+    struct None : Gatherer {
+        std::vector<GatheredRecord> gather(std::span<const RecordSite>) override { return {}; }
+    } none;
     RecordField field;
-    EXPECT_THROW(placeRecords(stage.scene, stage.gbuffer, stage.classes,
-                              buildLobes(stage.gbuffer, stage.classes), {}, none, true, field),
+    EXPECT_THROW(placeRecords(stage.scene, stage.receivers, {}, none, field, true),
                  std::logic_error);
 }
 

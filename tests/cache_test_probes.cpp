@@ -18,14 +18,14 @@ struct Judged {
     explicit Judged(float expected) {
         neighbours.squares = Image<float>(kWidth, kHeight);
         for (size_t i = 0; i < image.pixels.size(); ++i) {
-            if (stage.gbuffer.seen(static_cast<int>(i)) && isJudged(i, kWidth)) {
+            if (stage.receivers.seen(i) && isJudged(i, kWidth)) {
                 neighbours.squares.pixels[i] = expected * expected;
             }
         }
         neighbours.rel_rmse = expected;
     }
     std::vector<Probe> probes(int count) const {
-        return chooseProbes(neighbours, stage.classes, image, count);
+        return chooseProbes(neighbours, stage.receivers, image, count);
     }
     // The truth at pixel i is 1 - error(i); probes see it with noise.
     ErrorEstimate estimate(const std::function<float(int)>& error, float noise = 0.02f,
@@ -37,12 +37,12 @@ struct Judged {
                 light = vec3(1.0f - error(p.pixel) + random.uniform(-noise, noise));
             }
         }
-        return estimateError(neighbours, chosen, stage.gbuffer, stage.classes, image);
+        return estimateError(neighbours, chosen, stage.receivers, image);
     }
     int judgedPixels() const {
         int count = 0;
-        for (int i = 0; i < kWidth * kHeight; ++i) {
-            count += stage.gbuffer.seen(i) && isJudged(static_cast<size_t>(i), kWidth) ? 1 : 0;
+        for (size_t i = 0; i < image.pixels.size(); ++i) {
+            count += stage.receivers.seen(i) && isJudged(i, kWidth) ? 1 : 0;
         }
         return count;
     }
@@ -59,7 +59,7 @@ TEST(Probes, StandForAllJudgedPixels) {
     double stand_for = 0.0;
     int where_expected = 0;
     for (const Probe& p : probes) {
-        EXPECT_TRUE(judged.stage.gbuffer.seen(p.pixel));
+        EXPECT_TRUE(judged.stage.receivers.seen(static_cast<size_t>(p.pixel)));
         EXPECT_TRUE(isJudged(static_cast<size_t>(p.pixel), kWidth));
         stand_for += static_cast<double>(p.stands_for);
         where_expected += judged.neighbours.squares.pixels[static_cast<size_t>(p.pixel)] == 1.0f;
@@ -71,11 +71,11 @@ TEST(Probes, StandForAllJudgedPixels) {
 TEST(Probes, HalfOfThemWhereRaysAre) {
     Judged judged(0.01f);
     for (int x = 0; x < kWidth / 4; ++x) {
-        judged.stage.classes.by_rays.at(x, kHeight - 2) = 1;
+        judged.stage.receivers.by_rays[judged.stage.receivers.image.index(x, kHeight - 2)] = 1;
     }
     int by_rays = 0;
     for (const Probe& p : judged.probes(100)) {
-        by_rays += judged.stage.classes.by_rays.pixels[static_cast<size_t>(p.pixel)] != 0;
+        by_rays += judged.stage.receivers.by_rays[static_cast<size_t>(p.pixel)] != 0;
     }
     EXPECT_EQ(by_rays, 50);
 }

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "cache/raster_gather.h"
-#include "cache/ray_gather.h"
+#include "gather/raster_gather.h"
+#include "gather/ray_gather.h"
 #include "test_light.h"
 #include "test_scenes.h"
 #include "test_sites.h"

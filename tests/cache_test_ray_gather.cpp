@@ -7,8 +7,8 @@
 #include <cstring>
 #include <functional>
 
-#include "cache/ray_gather.h"
 #include "core/parallel.h"
+#include "gather/ray_gather.h"
 #include "test_light.h"
 #include "test_scenes.h"
 #include "test_sites.h"

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "cache/lobes.h"
 #include "cache/specular_rays.h"
 #include "core/parallel.h"
+#include "receivers/classes.h"
 #include "sh/brdf_sh.h"
 #include "test_light.h"
 #include "test_scenes.h"
@@ -39,32 +39,28 @@ struct Room {
 struct Gathering {
     explicit Gathering(const Scene& gathered)
         : scene(gathered),
-          gbuffer(TestStage(scene, 1).gbuffer(kSize, kSize)),
-          classes(classifyPixels(scene, gbuffer, 0, false)),
+          receivers(receiversOf(scene, TestStage(scene, 1).gbuffer(kSize, kSize), 0, false)),
           lit(scene) {}
     Image<vec3> gather() const { return gather(Image<vec3>(kSize, kSize)); }
     Image<vec3> gather(const Image<vec3>& cached) const {
-        return reflectSpecular(gbuffer, classes, traceSpecular(lit.light, gbuffer, classes, {}),
-                               cached);
+        return reflectSpecular(receivers, traceSpecular(lit.light, receivers, {}), cached);
     }
     // What each pixel reflects by its own rays alone.
     Image<vec3> alone(const SpecularParams& params = {.window = 0}) const {
-        const Image<SpecularSeen> seen = traceSpecular(lit.light, gbuffer, classes, params);
+        const Image<SpecularSeen> seen = traceSpecular(lit.light, receivers, params);
         Image<vec3> reflected(kSize, kSize);
-        for (int i = 0; i < kSize * kSize; ++i) {
-            const auto pixel = static_cast<size_t>(i);
-            const SpecularSeen& s = seen.pixels[pixel];
-            if (classes.by_rays.pixels[pixel] != 0) {
-                reflected.pixels[pixel] = specularAlbedo(gbuffer, i) * (s.light[0] + s.light[1]) /
-                                          (s.weight[0] + s.weight[1]);
+        for (size_t i = 0; i < kSize * kSize; ++i) {
+            const SpecularSeen& s = seen.pixels[i];
+            if (receivers.by_rays[i] != 0) {
+                reflected.pixels[i] = receivers.specularAlbedo(i) * (s.light[0] + s.light[1]) /
+                                      (s.weight[0] + s.weight[1]);
             }
         }
         return reflected;
     }
 
     Scene scene;
-    GBuffer gbuffer;
-    PixelClasses classes;
+    Receivers receivers;
     LitScene lit;
 };
 
@@ -92,7 +88,7 @@ Scene litFloor(float alpha) {
 TEST(SpecularRays, MirrorsShareNothing) {
     constexpr double kBlur = 0.01;
     const Gathering mirror(litFloor(0.0f));
-    EXPECT_GT(mirror.classes.too_glossy, kSize * kSize / 5);
+    EXPECT_GT(mirror.receivers.counts.too_glossy, kSize * kSize / 5);
     const Image<vec3> alone = mirror.alone();
     EXPECT_LT(distance(mirror.gather(), alone), kBlur * distance(Image<vec3>(kSize, kSize), alone));
 }
@@ -131,8 +127,8 @@ TEST(SpecularRays, NothingLeaksAcrossACrease) {
     const Image<vec3> seen = ridge.gather();
     int coloured = 0;
     for (size_t i = 0; i < seen.pixels.size(); ++i) {
-        const float side_of = ridge.gbuffer.normal.pixels[i].x;
-        if (ridge.classes.by_rays.pixels[i] != 0) {
+        const float side_of = ridge.receivers.normals[i].x;
+        if (ridge.receivers.by_rays[i] != 0) {
             EXPECT_EQ(side_of < 0.0f ? seen.pixels[i].y : seen.pixels[i].x, 0.0f);
             coloured += seen.pixels[i] != vec3(0.0f) ? 1 : 0;
         }
@@ -153,16 +149,15 @@ TEST_P(AcrossAStep, NothingLeaks) {
     addQuad(room.scene, vec3(-1, -1, 0.1f), vec3(1, 0, 0), vec3(0, 2, 0), panel);
     Gathering step(room.scene);
     // As if all of it were by rays: what is tested is what is shared.
-    step.classes.by_rays = Image<uint8_t>(kSize, kSize, 1);
-    step.classes.orders = Image<int>(kSize, kSize, order);
+    step.receivers.by_rays.assign(kSize * kSize, 1);
+    step.receivers.orders.assign(kSize * kSize, static_cast<int8_t>(order));
     const Image<vec3> seen = step.gather();
     int lit = 0;
-    for (int i = 0; i < kSize * kSize; ++i) {
-        const auto pixel = static_cast<size_t>(i);
-        if (step.gbuffer.position.pixels[pixel].z > 0.05f) {
-            EXPECT_EQ(seen.pixels[pixel], vec3(0.0f));
+    for (size_t i = 0; i < kSize * kSize; ++i) {
+        if (step.receivers.positions[i].z > 0.05f) {
+            EXPECT_EQ(seen.pixels[i], vec3(0.0f));
         } else {
-            lit += seen.pixels[pixel] != vec3(0.0f) ? 1 : 0;
+            lit += seen.pixels[i] != vec3(0.0f) ? 1 : 0;
         }
     }
     EXPECT_GT(lit, kSize * kSize / 8);
@@ -180,8 +175,8 @@ TEST(SpecularRays, CorrectWhatRecordsMissAndSpareWhatTheyDoNot) {
     constexpr double kLeftOfTheError = 0.5;  // noise, and a tenth that is held back
     constexpr double kAddedNoise = 0.15;     // of what the rays of each pixel alone have
     const Gathering floor(litFloor(0.2f));
-    ASSERT_GT(floor.classes.corrected, kSize * kSize / 5);
-    ASSERT_EQ(floor.classes.too_glossy, 0);
+    ASSERT_GT(floor.receivers.counts.corrected, kSize * kSize / 5);
+    ASSERT_EQ(floor.receivers.counts.too_glossy, 0);
     const Image<vec3> truth = floor.alone(kMany);
     const auto difference = [&](const Image<vec3>& image) { return distance(image, truth); };
     Image<vec3> too_dark = truth;
@@ -191,7 +186,9 @@ TEST(SpecularRays, CorrectWhatRecordsMissAndSpareWhatTheyDoNot) {
     // One pixel that its records know nothing of spoils no other.
     Image<vec3> spoilt = too_dark;
     const vec3 nan(std::nanf(""));
-    const auto corrected = [&](int i) { return floor.classes.isCorrected(i, kSize - 10); };
+    const auto corrected = [&](int i) {
+        return floor.receivers.isCorrected(floor.receivers.image.index(i, kSize - 10));
+    };
     const int x = corrected(kSize / 2) ? kSize / 2 : kSize / 3;
     ASSERT_TRUE(corrected(x));
     spoilt.at(x, kSize - 10) = nan;
@@ -268,23 +265,20 @@ TEST(SpecularClasses, RaysGoWhereTheOrderMissesTheBudget) {
         const Gathering g(room.scene);
         const int order = materialOrder(params, 0);
         int corrected = 0, left = 0, too_glossy = 0;
-        for (int y = 0; y < kSize; ++y) {
-            for (int x = 0; x < kSize; ++x) {
-                const vec3 n(g.gbuffer.normal.at(x, y));
-                const vec3 p(g.gbuffer.position.at(x, y));
-                if (g.classes.orders.at(x, y) == kNoOrder || std::abs(p.x + 0.2f) > 1e-3f) {
-                    continue;
-                }
-                const float NoV = glm::dot(n, glm::normalize(g.gbuffer.view.origin - p));
-                const float missed = predictLobeError(NoV, params.roughness).truncated[order];
-                if (std::abs(missed - kTruncationBudget) < 0.3f * kTruncationBudget) {
-                    continue;  // predictions come from a table
-                }
-                EXPECT_EQ(g.classes.by_rays.at(x, y), missed > kTruncationBudget ? 1 : 0) << NoV;
-                corrected += g.classes.isCorrected(x, y) ? 1 : 0;
-                too_glossy += g.classes.by_rays.at(x, y) != 0 && !g.classes.isCorrected(x, y);
-                left += g.classes.by_rays.at(x, y) == 0 ? 1 : 0;
+        const Receivers& r = g.receivers;
+        for (size_t i = 0; i < kSize * kSize; ++i) {
+            if (!r.seen(i) || std::abs(r.positions[i].x + 0.2f) > 1e-3f) {
+                continue;
             }
+            const float NoV = glm::dot(r.normals[i], r.towardViewer(i));
+            const float missed = predictLobeError(NoV, params.roughness).truncated[order];
+            if (std::abs(missed - kTruncationBudget) < 0.3f * kTruncationBudget) {
+                continue;  // predictions come from a table
+            }
+            EXPECT_EQ(r.by_rays[i], missed > kTruncationBudget ? 1 : 0) << NoV;
+            corrected += r.isCorrected(i) ? 1 : 0;
+            too_glossy += r.isTooGlossy(i) ? 1 : 0;
+            left += r.by_rays[i] == 0 ? 1 : 0;
         }
         if (alpha >= kTooGlossy) {
             EXPECT_GT(corrected, 50);

@@ -6,13 +6,13 @@
 #include <filesystem>
 #include <fstream>
 
-#include "cache/record.h"
 #include "gl/program.h"
 #include "gl/worker_pool.h"
 #include "hemisphere/hemisphere.h"
 #include "image/image.h"
 #include "raster/gpu_scene.h"
 #include "raster/view.h"
+#include "record/record.h"
 #include "sh/sh.h"
 #include "test_scenes.h"
 

@@ -121,12 +121,12 @@ TEST(GBuffer, AgreesWithTheReferencesFirstHits) {
             const auto p = static_cast<size_t>(i);
             ASSERT_TRUE(g.seen(i));
             const float size = scene.bounds.size();
-            EXPECT_LT(glm::length(vec3(g.position.pixels[p]) - frame.position.pixels[p]),
+            EXPECT_LT(glm::length(g.position.pixels[p] - frame.position.pixels[p]),
                       kPositionError * size);
-            EXPECT_NEAR(g.position.pixels[p].w, frame.depth.pixels[p], kPositionError * size);
-            EXPECT_LT(glm::length(vec3(g.normal.pixels[p]) - frame.normal.pixels[p]), 1e-4f);
-            EXPECT_NEAR(g.normal.pixels[p].w, frame.roughness.pixels[p], 1e-6f);
-            EXPECT_LT(glm::length(vec3(g.diffuse.pixels[p]) - frame.albedo.pixels[p]), 1e-4f);
+            EXPECT_NEAR(g.depth.pixels[p], frame.depth.pixels[p], kPositionError * size);
+            EXPECT_LT(glm::length(g.normal.pixels[p] - frame.normal.pixels[p]), 1e-4f);
+            EXPECT_NEAR(g.roughness.pixels[p], frame.roughness.pixels[p], 1e-6f);
+            EXPECT_LT(glm::length(g.diffuse.pixels[p] - frame.albedo.pixels[p]), 1e-4f);
             const vec3 emission = g.emission.empty() ? vec3(0.0f) : g.emission.pixels[p];
             EXPECT_LT(glm::length(emission - frame.emission.pixels[p]), 1e-6f);
         }
@@ -161,7 +161,7 @@ TEST(GBuffer, NormalsFaceTheViewerOnBothSides) {
     TestStage stage(scene);
     for (float side : {-1.0f, 1.0f}) {
         const GBuffer g = stage.gbuffer(lookAt(vec3(0.3f, 0.2f, side), vec3(0)), 9, 9);
-        for (const vec4& n : g.normal.pixels) {
+        for (const vec3& n : g.normal.pixels) {
             EXPECT_NEAR(n.z, side, 1e-6f);
         }
     }
@@ -186,7 +186,7 @@ TEST(GBuffer, ManyTrianglesKeepTheirNumbers) {
         // The pixel's position lies on the plane of its triangle.
         const uint32_t t = g.primitive.pixels[static_cast<size_t>(i)];
         ASSERT_LT(t, scene.triangles.size());
-        const vec3 p(g.position.pixels[static_cast<size_t>(i)]);
+        const vec3& p = g.position.pixels[static_cast<size_t>(i)];
         const vec3& corner = scene.positions[scene.triangles[t].x];
         EXPECT_NEAR(glm::dot(p - corner, geometricNormal(scene, static_cast<int>(t))), 0.0f, 1e-5f);
         EXPECT_LT(glm::length(p - corner), 0.15f);

@@ -46,7 +46,7 @@ void expectClosedForm(const Scene& scene, const Camera& camera, const vec3& n, i
             continue;
         }
         const auto p = static_cast<size_t>(i);
-        const vec3 expected = lambert(scene.lights[0], vec3(g.position.pixels[p]), n);
+        const vec3 expected = lambert(scene.lights[0], g.position.pixels[p], n);
         lit += expected.x > 0.0f ? 1 : 0;
         for (int c = 0; c < 3; ++c) {
             ASSERT_NEAR(g.direct.pixels[p][c], expected[c], kAcne * expected[c] + 1e-5f * brightest)

@@ -8,8 +8,6 @@
 #include <functional>
 #include <set>
 
-#include "scene/brdf_albedo.h"
-#include "sh/brdf_sh.h"
 #include "sh/sh.h"
 #include "test_scenes.h"
 #include "test_stage.h"
@@ -23,27 +21,26 @@ constexpr WeightParams kWeight = {.accuracy = 0.3f, .normal_weight = 1.0f, .slab
 constexpr float kSplatError = 1e-4f;
 
 // Records at pixels spread over the image, of their pixels' classes, with made-up light.
-RecordCache makeRecords(const GBuffer& g, const PixelClasses& classes, int stride, uint32_t seed) {
+RecordCache makeRecords(const Receivers& receivers, size_t stride, uint32_t seed) {
     Random random(seed);
     Random missed(seed + 1);
     RecordCache cache;
-    for (int i = 0; i < g.width * g.height; i += stride) {
-        const auto p = static_cast<size_t>(i);
-        if (!g.seen(i)) {
+    for (size_t i = 0; i < receivers.positions.size(); i += stride) {
+        if (!receivers.seen(i)) {
             continue;
         }
         Record r{};
-        r.position = vec3(g.position.pixels[p]);
-        r.normal = vec3(g.normal.pixels[p]);
+        r.position = receivers.positions[i];
+        r.normal = receivers.normals[i];
         r.tangent = tangentFrame(r.normal)[0];
-        r.order = classes.orders.pixels[p];
+        r.order = receivers.orders[i];
         r.radius = random.uniform(0.2f, 3.0f);
         r.irradiance = random.point(0.1f, 2.0f);
         r.rotation_r = random.point(-0.3f, 0.3f);
         r.rotation_b = random.point(-0.3f, 0.3f);
         r.translation_g = random.point(-0.3f, 0.3f);
         r.translation_b = random.point(-3.0f, 3.0f);  // steep: sums below zero are cut
-        r.material = static_cast<float>(classes.materials.pixels[p]);
+        r.material = static_cast<float>(receivers.materials[i]);
         r.missed_r = missed.uniform(-0.5f, 0.5f);
         r.missed_g = missed.uniform(-0.5f, 0.5f);
         r.missed_b = missed.uniform(-0.5f, 0.5f);
@@ -75,13 +72,12 @@ TEST(Splat, GpuEqualsCpuForEveryOrder) {
     TestStage stage(scene);
     const GBuffer g = stage.gbuffer(72, 60);
     for (int order = 1; order <= shared::SH_MAX_ORDER; ++order) {
-        const PixelClasses classes = classifyPixels(scene, g, order, false);
-        ASSERT_GT(classes.diffuse, 100);
-        ASSERT_GT(classes.geometry - classes.diffuse, 100);
-        const PixelLobes lobes = buildLobes(g, classes);
-        const RecordCache cache = makeRecords(g, classes, 13, static_cast<uint32_t>(order));
-        const SplatBuffer gpu = splatGpu(stage.pool, g, classes, lobes, cache, kWeight);
-        const SplatBuffer cpu = splatCpu(g, classes, lobes, cache, kWeight);
+        const Receivers receivers = receiversOf(scene, g, order, false);
+        ASSERT_GT(receivers.counts.diffuse, 100);
+        ASSERT_GT(receivers.counts.seen - receivers.counts.diffuse, 100);
+        const RecordCache cache = makeRecords(receivers, 13, static_cast<uint32_t>(order));
+        const SplatBuffer gpu = splatGpu(stage.pool, receivers, cache, kWeight);
+        const SplatBuffer cpu = splatCpu(receivers, cache, kWeight);
         SCOPED_TRACE("order " + std::to_string(order));
         // Weights reach a few hundred beside the records' own pixels.
         expectSame(gpu.irradiance, cpu.irradiance, 10.0f, "irradiance");
@@ -99,15 +95,13 @@ TEST(Splat, OrdersMayMix) {
     // By prediction each material has an order of its own; diffuse records lie beside glossy ones.
     const Scene scene = glossyRoom(0.7f, 0.5f);
     TestStage stage(scene);
-    const GBuffer g = stage.gbuffer(64, 64);
-    const PixelClasses classes = classifyPixels(scene, g, 0, false);
-    const std::set<int> orders(classes.orders.pixels.begin(), classes.orders.pixels.end());
+    const Receivers receivers = receiversOf(scene, stage.gbuffer(64, 64), 0, false);
+    const std::set<int> orders(receivers.orders.begin(), receivers.orders.end());
     ASSERT_EQ(orders.count(shared::DIFFUSE_ORDER), 1u);
     ASSERT_GE(std::distance(orders.upper_bound(shared::DIFFUSE_ORDER), orders.end()), 2);
-    const PixelLobes lobes = buildLobes(g, classes);
-    const RecordCache cache = makeRecords(g, classes, 17, 5);
-    const SplatBuffer gpu = splatGpu(stage.pool, g, classes, lobes, cache, kWeight);
-    const SplatBuffer cpu = splatCpu(g, classes, lobes, cache, kWeight);
+    const RecordCache cache = makeRecords(receivers, 17, 5);
+    const SplatBuffer gpu = splatGpu(stage.pool, receivers, cache, kWeight);
+    const SplatBuffer cpu = splatCpu(receivers, cache, kWeight);
     expectSame(gpu.irradiance, cpu.irradiance, 10.0f, "irradiance");
     expectSame(gpu.specular, cpu.specular, 10.0f, "specular");
 }
@@ -115,15 +109,13 @@ TEST(Splat, OrdersMayMix) {
 TEST(Splat, BandsOfRowsChangeNoBit) {
     const Scene scene = glossyRoom(0.5f, 0.4f);
     TestStage stage(scene);
-    const GBuffer g = stage.gbuffer(40, 37);
-    const PixelClasses classes = classifyPixels(scene, g, 0, false);
-    const PixelLobes lobes = buildLobes(g, classes);
-    ASSERT_FALSE(lobes.steps.empty());
-    const RecordCache cache = makeRecords(g, classes, 13, 7);
-    const SplatBuffer whole = splatGpu(stage.pool, g, classes, lobes, cache, kWeight);
+    const Receivers receivers = receiversOf(scene, stage.gbuffer(40, 37), 0, false);
+    ASSERT_FALSE(receivers.lobes.steps.empty());
+    const RecordCache cache = makeRecords(receivers, 13, 7);
+    const SplatBuffer whole = splatGpu(stage.pool, receivers, cache, kWeight);
     for (int rows : {1, 5, 36}) {
         const SplatBuffer bands =
-            splatGpu(stage.pool, g, classes, lobes, cache, kWeight, rows * g.width);
+            splatGpu(stage.pool, receivers, cache, kWeight, rows * receivers.image.width);
         EXPECT_EQ(bands.irradiance.pixels, whole.irradiance.pixels) << rows;
         EXPECT_EQ(bands.specular.pixels, whole.specular.pixels) << rows;
         EXPECT_EQ(bands.missed.pixels, whole.missed.pixels) << rows;
@@ -135,18 +127,16 @@ TEST(Splat, HugeAndTinyRecords) {
     const Scene scene =
         cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f), diffuseParams(vec3(0.5f)));
     TestStage stage(scene);
-    const GBuffer g = stage.gbuffer(48, 40);
-    const PixelClasses classes = classifyPixels(scene, g, 4, false);
-    const PixelLobes lobes = buildLobes(g, classes);
+    const Receivers receivers = receiversOf(scene, stage.gbuffer(48, 40), 4, false);
     for (float radius : {1e-6f, 1e-2f, 100.0f, 1e6f}) {
-        RecordCache cache = makeRecords(g, classes, 37, 6);
+        RecordCache cache = makeRecords(receivers, 37, 6);
         for (Record& r : cache.records) {
             r.radius = radius;
             r.translation_g = r.translation_b = vec3(0.0f);
         }
         std::fill(cache.sh.begin(), cache.sh.end(), 0.25f);
-        const SplatBuffer gpu = splatGpu(stage.pool, g, classes, lobes, cache, kWeight);
-        const SplatBuffer cpu = splatCpu(g, classes, lobes, cache, kWeight);
+        const SplatBuffer gpu = splatGpu(stage.pool, receivers, cache, kWeight);
+        const SplatBuffer cpu = splatCpu(receivers, cache, kWeight);
         // A weight at a record's own pixel: reach over half a footprint.
         const float scale = std::max(10.0f, 0.1f * radius);
         expectSame(gpu.irradiance, cpu.irradiance, scale, "irradiance");
@@ -162,10 +152,8 @@ TEST(Splat, LongSumsOfHugeWeightsKeepTheirMean) {
     const Scene scene =
         cornellRoom(glossyParams(vec3(0.5f), 0.0f, 0.5f), diffuseParams(vec3(0.5f)));
     TestStage stage(scene);
-    const GBuffer g = stage.gbuffer(40, 40);
-    const PixelClasses classes = classifyPixels(scene, g, 4, true);
-    const PixelLobes lobes = buildLobes(g, classes);
-    RecordCache cache = makeRecords(g, classes, 1, 7);
+    const Receivers receivers = receiversOf(scene, stage.gbuffer(40, 40), 4, true);
+    RecordCache cache = makeRecords(receivers, 1, 7);
     ASSERT_GT(cache.records.size(), 1500u);
     const vec3 light(0.7f, 1e-3f, 4e4f);
     for (Record& r : cache.records) {
@@ -174,8 +162,8 @@ TEST(Splat, LongSumsOfHugeWeightsKeepTheirMean) {
         r.rotation_r = r.rotation_g = r.rotation_b = vec3(0.0f);
         r.translation_r = r.translation_g = r.translation_b = vec3(0.0f);
     }
-    for (const SplatBuffer& splat : {splatGpu(stage.pool, g, classes, lobes, cache, kWeight),
-                                     splatCpu(g, classes, lobes, cache, kWeight)}) {
+    for (const SplatBuffer& splat :
+         {splatGpu(stage.pool, receivers, cache, kWeight), splatCpu(receivers, cache, kWeight)}) {
         float greatest = 0.0f;
         for (const vec4& sum : splat.irradiance.pixels) {
             ASSERT_GT(sum.w, 0.0f);
@@ -194,9 +182,8 @@ TEST(Splat, NoRecordsNoPixelsNoGloss) {
     TestStage stage(scene);
     const GBuffer g = stage.gbuffer(16, 16);
     for (bool irradiance_only : {false, true}) {
-        const PixelClasses classes = classifyPixels(scene, g, 4, irradiance_only);
-        const SplatBuffer none =
-            splatGpu(stage.pool, g, classes, buildLobes(g, classes), RecordCache{}, kWeight);
+        const Receivers receivers = receiversOf(scene, g, 4, irradiance_only);
+        const SplatBuffer none = splatGpu(stage.pool, receivers, RecordCache{}, kWeight);
         for (const vec4& v : none.irradiance.pixels) {
             EXPECT_EQ(v, vec4(0.0f));
         }
@@ -204,8 +191,8 @@ TEST(Splat, NoRecordsNoPixelsNoGloss) {
     // Records, but no pixel that sees anything.
     const Scene empty;
     TestStage empty_stage(empty);
-    const GBuffer nothing = empty_stage.gbuffer(lookAt(vec3(0, 0, 1), vec3(0)), 8, 8);
-    const PixelClasses classes = classifyPixels(empty, nothing, 4, false);
+    const Receivers nothing =
+        receiversOf(empty, empty_stage.gbuffer(lookAt(vec3(0, 0, 1), vec3(0)), 8, 8), 4, false);
     RecordCache cache;
     Record r{};
     r.normal = vec3(0, 0, 1);
@@ -213,81 +200,9 @@ TEST(Splat, NoRecordsNoPixelsNoGloss) {
     r.radius = 100.0f;
     r.irradiance = vec3(1.0f);
     cache.records.push_back(r);
-    const SplatBuffer splat =
-        splatGpu(empty_stage.pool, nothing, classes, buildLobes(nothing, classes), cache, kWeight);
+    const SplatBuffer splat = splatGpu(empty_stage.pool, nothing, cache, kWeight);
     for (const vec4& v : splat.irradiance.pixels) {
         EXPECT_EQ(v, vec4(0.0f));
-    }
-}
-
-TEST(PixelLobes, AConstantEnvironmentGivesTheAlbedo) {
-    // Coefficients of constant radiance L: sqrt(4 pi) L in band 0. Convolved with the lobe and
-    // scaled, that is the specular albedo of each channel times L.
-    const Scene scene = glossyRoom(0.5f, 0.4f);
-    TestStage stage(scene);
-    const GBuffer g = stage.gbuffer(48, 48);
-    const PixelClasses classes = classifyPixels(scene, g, 5, false);
-    const PixelLobes lobes = buildLobes(g, classes);
-    int glossy = 0;
-    for (int i = 0; i < 48 * 48; ++i) {
-        const auto p = static_cast<size_t>(i);
-        if (classes.orders.pixels[p] <= shared::DIFFUSE_ORDER) {
-            EXPECT_EQ(lobes.first.pixels[p], -1);
-            continue;
-        }
-        ++glossy;
-        const float convolved = lobes.at(i, classes.orders.pixels[p]).c[0] * std::sqrt(4.0f * kPi);
-        const vec3 found = lobes.scale.pixels[p] * convolved;
-        const vec3 wo = glm::normalize(g.view.origin - vec3(g.position.pixels[p]));
-        const vec2 ab = brdfAlbedo(glm::dot(vec3(g.normal.pixels[p]), wo), g.normal.pixels[p].w);
-        const vec3 expected = g.f0.pixels[p] * ab.x + vec3(g.diffuse.pixels[p].w * ab.y);
-        // Two interpolated tables.
-        EXPECT_LT(glm::length(found - expected), 0.005f * glm::length(expected));
-    }
-    EXPECT_GT(glossy, 200);
-}
-
-TEST(PixelLobes, KeepCoefficientsToHalfAStepAndZerosBehindThem) {
-    const Scene scene = glossyRoom(0.5f, 0.4f);
-    TestStage stage(scene);
-    const GBuffer g = stage.gbuffer(40, 40);
-    for (int order : {2, 4, 5, 10}) {
-        const PixelClasses classes = classifyPixels(scene, g, order, false);
-        const PixelLobes lobes = buildLobes(g, classes);
-        const int stored = shared::lobeGroupFirst(shared::lobeGroups(order));
-        ASSERT_GE(stored, order * order);
-        int glossy = 0;
-        for (int i = 0; i < 40 * 40; ++i) {
-            const auto p = static_cast<size_t>(i);
-            const int first = lobes.first.pixels[p];
-            if (first < 0) {
-                continue;
-            }
-            ASSERT_EQ(first, glossy * stored);
-            ++glossy;
-            const vec3 n(g.normal.pixels[p]);
-            const vec3 wo = glm::normalize(g.view.origin - vec3(g.position.pixels[p]));
-            const vec3 f0 = g.f0.pixels[p];
-            shared::ShVector exact;
-            BrdfRotator(order).rotate(brdfSh(glm::dot(n, wo), g.normal.pixels[p].w),
-                                      (f0.x + f0.y + f0.z) / 3.0f, g.diffuse.pixels[p].w, n, wo,
-                                      exact.c);
-            const float greatest =
-                std::abs(*std::max_element(exact.c, exact.c + order * order, [](float a, float b) {
-                    return std::abs(a) < std::abs(b);
-                }));
-            const shared::ShVector kept = lobes.at(i, order);
-            // Half a step, and single precision at thousands of steps.
-            const float rounding = 0.51f / shared::LOBE_STEPS;
-            for (int k = 0; k < order * order; ++k) {
-                ASSERT_NEAR(kept.c[k], exact.c[k] / greatest, rounding);
-            }
-            for (int k = order * order; k < stored; ++k) {
-                ASSERT_EQ(lobes.steps[static_cast<size_t>(first + k)], 0);
-            }
-        }
-        EXPECT_EQ(lobes.steps.size(), static_cast<size_t>(glossy * stored));
-        EXPECT_GT(glossy, 100);
     }
 }
 
@@ -301,23 +216,25 @@ struct Composed {
 // A 4 x 1 image of a diffuse surface; the splat is given.
 Composed composeFour(
     const std::array<vec4, 4>& irradiance, int order,
-    const std::function<void(GBuffer&)>& change = [](GBuffer&) {}) {
-    GBuffer g;
-    g.width = 4;
-    g.height = 1;
-    g.view = cameraView(lookAt(vec3(0, 1, 0), vec3(0)), 4, 1);
-    g.position = Image<vec4>(4, 1, vec4(0, 0, 0, 1));
-    g.normal = Image<vec4>(4, 1, vec4(0, 1, 0, 1));
-    g.diffuse = Image<vec4>(4, 1, vec4(0.5f, 0.5f, 0.5f, 0));
-    g.f0 = Image<vec3>(4, 1);
-    g.direct = Image<vec3>(4, 1, vec3(1, 2, 3));
-    g.primitive = Image<uint32_t>(4, 1, 0u);
-    change(g);
-    PixelClasses classes;
-    classes.orders = Image<int>(4, 1, order);
-    classes.by_rays = Image<uint8_t>(4, 1);
-    classes.materials = Image<int>(4, 1);
-    PixelLobes lobes{Image<int>(4, 1, order > 0 ? 0 : -1), {0}, Image<vec3>(4, 1, vec3(1.0f))};
+    const std::function<void(Receivers&)>& change = [](Receivers&) {}) {
+    Receivers r;
+    r.image = pixelGrid(lookAt(vec3(0, 1, 0), vec3(0)), 4, 1);
+    r.positions.assign(4, vec3(0.0f));
+    r.footprints.assign(4, 1.0f);
+    r.normals.assign(4, vec3(0, 1, 0));
+    r.roughness.assign(4, 1.0f);
+    r.diffuse.assign(4, vec3(0.5f));
+    r.f0.assign(4, vec3(0.0f));
+    r.f90.assign(4, 0.0f);
+    r.direct.assign(4, vec3(1, 2, 3));
+    r.triangles.assign(4, 0u);
+    r.materials.assign(4, 0);
+    r.orders.assign(4, static_cast<int8_t>(order));
+    r.by_rays.assign(4, 0);
+    r.lobes = {.first = std::vector<int>(4, order > 0 ? 0 : -1),
+               .steps = {0},
+               .scale = std::vector<vec3>(4, vec3(1.0f))};
+    change(r);
     SplatBuffer splat{Image<vec4>(4, 1), Image<vec4>(4, 1), {}};
     splat.irradiance.pixels.assign(irradiance.begin(), irradiance.end());
     if (order > 0) {
@@ -325,7 +242,7 @@ Composed composeFour(
         splat.irradiance.pixels.assign(4, vec4(0, 0, 0, 1));
     }
     Composed composed;
-    composed.counts = compose(g, classes, lobes, splat, Image<vec3>(4, 1), {}, composed.frame);
+    composed.counts = compose(r, splat, Image<vec3>(4, 1), true, composed.frame);
     return composed;
 }
 
@@ -360,9 +277,9 @@ TEST(Compose, CountsAndMendsWhatIsNotFinite) {
 
 TEST(Compose, DirectLightThatIsNotFiniteIsMendedToo) {
     const vec4 sound(1, 1, 1, 1);
-    const Composed c = composeFour({sound, sound, sound, sound}, 0, [](GBuffer& gbuffer) {
-        gbuffer.direct.at(1, 0).y = kInfinity;
-        gbuffer.direct.at(2, 0).x = 3.0f;
+    const Composed c = composeFour({sound, sound, sound, sound}, 0, [](Receivers& r) {
+        r.direct[1].y = kInfinity;
+        r.direct[2].x = 3.0f;
     });
     EXPECT_EQ(c.counts.nonfinite, 1);
     EXPECT_EQ(c.frame.direct.at(1, 0), vec3(0.0f));

@@ -22,7 +22,6 @@ struct Judged {
 Judged judge(const PlacementParams& params, const std::function<float(const vec3&)>& light,
              const std::function<float(const vec3&)>& gathered,
              const Stage& stage = makeStage(0, 0)) {
-    const PixelLobes lobes = buildLobes(stage.gbuffer, stage.classes);
     RecordField field;
     const Placement placement = place(
         stage, params,
@@ -30,26 +29,25 @@ Judged judge(const PlacementParams& params, const std::function<float(const vec3
             g.record.irradiance = vec3(gathered(site.position));
         },
         &field);
-    const SplatBuffer splat =
-        splatCpu(stage.gbuffer, stage.classes, lobes, placement.cache, params.servingWeight());
+    const Receivers& receivers = stage.receivers;
+    const SplatBuffer splat = splatCpu(receivers, placement.cache, params.servingWeight());
     Image<vec3> image(kWidth, kHeight);
     double squares = 0.0;
     double sum = 0.0;
     int seen = 0;
-    for (int i = 0; i < kWidth * kHeight; ++i) {
-        const auto pixel = static_cast<size_t>(i);
-        if (!stage.gbuffer.seen(i)) {
+    for (size_t i = 0; i < kWidth * kHeight; ++i) {
+        if (!receivers.seen(i)) {
             continue;
         }
-        const vec4 v = splat.irradiance.pixels[pixel];
-        image.pixels[pixel] = vec3(v) / v.w;
-        const double truth = light(vec3(stage.gbuffer.position.pixels[pixel]));
-        squares += std::pow(image.pixels[pixel].x - truth, 2);
+        const vec4 v = splat.irradiance.pixels[i];
+        image.pixels[i] = vec3(v) / v.w;
+        const double truth = light(receivers.positions[i]);
+        squares += std::pow(image.pixels[i].x - truth, 2);
         sum += truth;
         ++seen;
     }
-    return {.estimated = neighbourErrors(stage.gbuffer, stage.classes, lobes, placement.cache,
-                                         field.pixels, params.servingWeight(), image)
+    return {.estimated = neighbourErrors(receivers, placement.cache, field.pixels,
+                                         params.servingWeight(), image)
                              .rel_rmse,
             .actual = std::sqrt(squares * seen) / sum};
 }
@@ -90,8 +88,9 @@ TEST(Estimate, TracksTheErrorBetweenRecords) {
 }
 
 void hide(Stage& stage, int x, int y) {
-    stage.gbuffer.position.at(x, y).w = 0.0f;
-    stage.classes.orders.at(x, y) = kNoOrder;
+    const size_t i = stage.receivers.image.index(x, y);
+    stage.receivers.footprints[i] = 0.0f;
+    stage.receivers.orders[i] = kNoOrder;
 }
 
 TEST(Estimate, PixelsThatSeeNothingDoNotCount) {
@@ -143,13 +142,12 @@ TEST(Estimate, NothingIsKnownWhereNoRecordServesAnother) {
     for (int i = 0; i < kPixel; ++i) {
         hide(stage, i % kWidth, i / kWidth);
     }
-    ASSERT_TRUE(stage.gbuffer.seen(kPixel));
-    const PixelLobes lobes = buildLobes(stage.gbuffer, stage.classes);
+    ASSERT_TRUE(stage.receivers.seen(kPixel));
     const PlacementParams params;
     RecordField field;
     const Placement placement = place(stage, params, kNoChange, &field);
     ASSERT_EQ(placement.cache.records.size(), 1u);
-    EXPECT_EQ(neighbourErrors(stage.gbuffer, stage.classes, lobes, placement.cache, field.pixels,
+    EXPECT_EQ(neighbourErrors(stage.receivers, placement.cache, field.pixels,
                               params.servingWeight(), Image<vec3>(kWidth, kHeight, vec3(1.0f)))
                   .rel_rmse,
               kInfinity);
@@ -157,14 +155,11 @@ TEST(Estimate, NothingIsKnownWhereNoRecordServesAnother) {
 
 TEST(Estimate, NothingSeenIsNoError) {
     Stage stage = makeStage(0, 0);
-    for (int& order : stage.classes.orders.pixels) {
-        order = kNoOrder;
-    }
-    EXPECT_EQ(
-        neighbourErrors(stage.gbuffer, stage.classes, buildLobes(stage.gbuffer, stage.classes), {},
-                        {}, PlacementParams{}.servingWeight(), Image<vec3>(kWidth, kHeight))
-            .rel_rmse,
-        0.0);
+    stage.receivers.orders.assign(kWidth * kHeight, kNoOrder);
+    EXPECT_EQ(neighbourErrors(stage.receivers, {}, {}, PlacementParams{}.servingWeight(),
+                              Image<vec3>(kWidth, kHeight))
+                  .rel_rmse,
+              0.0);
 }
 
 }  // namespace

@@ -1,15 +1,14 @@
-// Placement with made-up gathers on a G-buffer made by hand: a floor that recedes to the horizon.
+// Placement with made-up gathers for receivers made by hand: a floor that recedes to the horizon.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
-#include "cache/lobes.h"
-#include "cache/pixel_light.h"
 #include "cache/placement.h"
-#include "cache/served.h"
 #include "image/frame.h"
+#include "receivers/receivers.h"
+#include "receivers/served.h"
 #include "test_scenes.h"
 
 namespace sheen {
@@ -18,8 +17,7 @@ constexpr int kWidth = 72, kHeight = 48;
 
 struct Stage {
     Scene scene;
-    GBuffer gbuffer;
-    PixelClasses classes;
+    Receivers receivers;
 };
 
 /// The floor y = 0 up to a wall at z = -3, the sky above it; `order_left` and `order_right` are the
@@ -30,17 +28,14 @@ inline Stage makeStage(int order_left, int order_right, float scale = 1.0f) {
             addMaterial(stage.scene, diffuseParams(vec3(0.5f))));
     stage.scene = scaled(stage.scene, scale);
     const Camera camera = lookAt(scale * vec3(0, 1, 2), scale * vec3(0, 0.3f, 0));
-    GBuffer& g = stage.gbuffer;
-    g.width = kWidth;
-    g.height = kHeight;
-    g.view = cameraView(camera, kWidth, kHeight);
-    g.pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / kHeight;
-    g.position = g.normal = g.diffuse = Image<vec4>(kWidth, kHeight);
-    g.f0 = Image<vec3>(kWidth, kHeight);
-    g.primitive = Image<uint32_t>(kWidth, kHeight, kNoPrimitive);
-    stage.classes.orders = Image<int>(kWidth, kHeight, kNoOrder);
-    stage.classes.by_rays = Image<uint8_t>(kWidth, kHeight);
-    stage.classes.materials = Image<int>(kWidth, kHeight);
+    Receivers& r = stage.receivers;
+    r.image = pixelGrid(camera, kWidth, kHeight);
+    r.positions = r.normals = r.diffuse = r.f0 = std::vector<vec3>(kWidth * kHeight);
+    r.footprints = r.f90 = r.roughness = std::vector<float>(kWidth * kHeight);
+    r.triangles.resize(kWidth * kHeight, kNoPrimitive);
+    r.orders.resize(kWidth * kHeight, kNoOrder);
+    r.by_rays.resize(kWidth * kHeight);
+    r.materials.resize(kWidth * kHeight);
     for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
             const CameraRay ray =
@@ -50,11 +45,14 @@ inline Stage makeStage(int order_left, int order_right, float scale = 1.0f) {
             if (t <= 0.0f || p.z < -3.0f * scale) {
                 continue;
             }
-            g.position.at(x, y) = vec4(p, glm::dot(g.view.dual_forward, p - ray.origin));
-            g.normal.at(x, y) = vec4(0, 1, 0, 1);
-            g.primitive.at(x, y) = 0;
-            stage.classes.orders.at(x, y) = x < kWidth / 2 ? order_left : order_right;
-            ++stage.classes.geometry;
+            const size_t i = r.image.index(x, y);
+            r.positions[i] = p;
+            r.footprints[i] = r.image.depthOf(p) * r.image.pixel_angle;
+            r.normals[i] = vec3(0, 1, 0);
+            r.roughness[i] = 1.0f;
+            r.triangles[i] = 0;
+            r.orders[i] = static_cast<int8_t>(x < kWidth / 2 ? order_left : order_right);
+            ++r.counts.seen;
         }
     }
     return stage;
@@ -63,8 +61,11 @@ inline Stage makeStage(int order_left, int order_right, float scale = 1.0f) {
 /// A gather that says the same of every site but its place: `change` alters it.
 using Change = std::function<void(const RecordSite&, GatheredRecord&)>;
 
-inline GatherFunction makeGather(const Change& change) {
-    return [change](std::span<const RecordSite> sites) {
+class MadeUpGatherer : public Gatherer {
+  public:
+    explicit MadeUpGatherer(const Change& change) : change_(change) {}
+
+    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override {
         std::vector<GatheredRecord> results;
         for (const RecordSite& site : sites) {
             GatheredRecord g;
@@ -77,21 +78,26 @@ inline GatherFunction makeGather(const Change& change) {
             if (site.order > 0) {
                 g.sh.assign(static_cast<size_t>(shLayout(site.order).size()), 0.5f);
             }
-            change(site, g);
+            change_(site, g);
             results.push_back(std::move(g));
         }
         return results;
-    };
-}
+    }
+
+  private:
+    const Change change_;
+};
 
 inline const Change kNoChange = [](const RecordSite&, GatheredRecord&) {};
 
 inline Placement place(const Stage& stage, const PlacementParams& params,
                        const Change& change = kNoChange, RecordField* field = nullptr) {
     RecordField own;
-    return placeRecords(stage.scene, stage.gbuffer, stage.classes,
-                        buildLobes(stage.gbuffer, stage.classes), params, makeGather(change), true,
-                        field != nullptr ? *field : own);
+    Receivers receivers = stage.receivers;
+    receivers.lobes = buildLobes(receivers);
+    MadeUpGatherer gatherer(change);
+    return placeRecords(stage.scene, receivers, params, gatherer, field != nullptr ? *field : own,
+                        true);
 }
 
 /// What the pixels' weights sum to as records serve, against the limit that placement keeps in
@@ -100,18 +106,14 @@ inline void expectCovered(const Stage& stage, const PlacementParams& params,
                           const Placement& placement) {
     EXPECT_EQ(placement.uncovered, 0);
     const WeightParams weight = params.servingWeight();
-    for (int i = 0; i < kWidth * kHeight; ++i) {
-        const auto pixel = static_cast<size_t>(i);
-        const vec4 p = stage.gbuffer.position.pixels[pixel];
+    for (size_t i = 0; i < kWidth * kHeight; ++i) {
         double sum = 0.0;
         for (const Record& r : placement.cache.records) {
-            if (serves(r.order, stage.classes.orders.pixels[pixel])) {
-                sum += shared::recordWeight(weight, r.position, r.normal, r.radius, vec3(p),
-                                            vec3(stage.gbuffer.normal.pixels[pixel]),
-                                            p.w * stage.gbuffer.pixel_angle);
+            if (serves(r.order, stage.receivers.orders[i])) {
+                sum += weightAt(stage.receivers, i, r, weight);
             }
         }
-        if (stage.gbuffer.seen(i)) {
+        if (stage.receivers.seen(i)) {
             // Each record's share is rounded to 1/4096.
             ASSERT_GT(sum, shared::MIN_WEIGHT_SUM - 0.005) << "pixel " << i;
         }
@@ -128,8 +130,7 @@ inline void expectSame(const Placement& a, const Placement& b) {
 
 /// What a record's pixel covers at its distance.
 inline float footprintOf(const Stage& stage, const Record& r) {
-    const vec3 d = r.position - stage.gbuffer.view.origin;
-    return glm::dot(stage.gbuffer.view.dual_forward, d) * stage.gbuffer.pixel_angle;
+    return stage.receivers.image.depthOf(r.position) * stage.receivers.image.pixel_angle;
 }
 
 }  // namespace sheen

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "cache/record.h"
 #include "rays/jitter.h"
+#include "record/record.h"
 #include "test_scenes.h"
 
 namespace sheen {

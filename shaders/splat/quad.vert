@@ -2,8 +2,8 @@
 // fragments need to know of the record goes with the quad, so that it is read once and not by each.
 layout(binding = 0) uniform samplerBuffer quads;  // [record]: two corners in clip space; the
                                                   // record's class as a depth; values
-uniform vec4 weight;
-flat out vec4 weight_params;
+uniform vec3 weight;  // accuracy, normal_weight, slab
+flat out vec3 weight_params;
 flat out vec4 values[VALUES];
 
 void main() {

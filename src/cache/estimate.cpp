@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cache/pixel_light.h"
-#include "cache/served.h"
+#include "receivers/predicted.h"
+#include "receivers/served.h"
 
 namespace sheen {
 namespace {
@@ -18,28 +18,28 @@ constexpr double kMedianWeight = 0.5;
 
 }  // namespace
 
-NeighbourErrors neighbourErrors(const GBuffer& gbuffer, const PixelClasses& classes,
-                                const PixelLobes& lobes, const RecordCache& cache,
+NeighbourErrors neighbourErrors(const Receivers& receivers, const RecordCache& cache,
                                 std::span<const int> record_pixels, const WeightParams& weight,
                                 const Image<vec3>& indirect) {
-    NeighbourErrors errors{.squares = Image<float>(gbuffer.width, gbuffer.height)};
+    const PixelGrid& image = receivers.image;
+    NeighbourErrors errors{.squares = Image<float>(image.width, image.height)};
     const std::vector<Record>& records = cache.records;
     constexpr int kNone = -1;
-    Image<int> hosted(gbuffer.width, gbuffer.height, kNone);
+    std::vector<int> hosted(receivers.positions.size(), kNone);
     for (size_t k = 0; k < records.size(); ++k) {
-        hosted.pixels[static_cast<size_t>(record_pixels[k])] = static_cast<int>(k);
+        hosted[static_cast<size_t>(record_pixels[k])] = static_cast<int>(k);
     }
     const auto outgoing = [&](size_t k, size_t pixel) {
-        return outgoingLuminance(gbuffer, classes, lobes, records[k],
-                                 cache.sh.data() + records[k].sh_first, static_cast<int>(pixel));
+        return outgoingLuminance(receivers, records[k], cache.sh.data() + records[k].sh_first,
+                                 pixel);
     };
     // Each record as the others predict it.
     std::vector<double> weights(records.size());
     std::vector<double> predicted(records.size());
     for (size_t k = 0; k < records.size(); ++k) {
-        const auto hosts = [&](size_t pixel) { return hosted.pixels[pixel] != kNone; };
-        forServed(gbuffer, classes, records[k], weight, hosts, [&](size_t pixel, float w) {
-            const int host = hosted.pixels[pixel];
+        const auto hosts = [&](size_t pixel) { return hosted[pixel] != kNone; };
+        forServed(receivers, records[k], weight, hosts, [&](size_t pixel, float w) {
+            const int host = hosted[pixel];
             if (host != static_cast<int>(k)) {
                 weights[static_cast<size_t>(host)] += w;
                 predicted[static_cast<size_t>(host)] += w * outgoing(k, pixel);
@@ -77,13 +77,13 @@ NeighbourErrors neighbourErrors(const GBuffer& gbuffer, const PixelClasses& clas
                 (weights[k] * error2[k] + kMedianWeight * *middle) / (weights[k] + kMedianWeight);
         }
     }
-    const auto counts = [&](size_t pixel) { return isJudged(pixel, gbuffer.width); };
-    Image<double> sums(gbuffer.width, gbuffer.height);
-    Image<double> variances(gbuffer.width, gbuffer.height);
+    const auto counts = [&](size_t pixel) { return isJudged(pixel, image.width); };
+    std::vector<double> sums(receivers.positions.size());
+    std::vector<double> variances(receivers.positions.size());
     for (size_t k = 0; k < records.size(); ++k) {
-        forServed(gbuffer, classes, records[k], weight, counts, [&](size_t pixel, float w) {
-            sums.pixels[pixel] += w;
-            variances.pixels[pixel] += static_cast<double>(w) * w * error2[k];
+        forServed(receivers, records[k], weight, counts, [&](size_t pixel, float w) {
+            sums[pixel] += w;
+            variances[pixel] += static_cast<double>(w) * w * error2[k];
         });
     }
     double squares = 0.0;
@@ -91,18 +91,19 @@ NeighbourErrors neighbourErrors(const GBuffer& gbuffer, const PixelClasses& clas
     double count = 0.0;
     for (int y = 0; y < indirect.height; y += 2) {
         for (int x = 0; x < indirect.width; x += 2) {
-            if (!gbuffer.seen(y * gbuffer.width + x)) {
+            const size_t pixel = image.index(x, y);
+            if (!receivers.seen(pixel)) {
                 continue;
             }
-            const double light = luminance(indirect.at(x, y));
-            const double sum = sums.at(x, y);
+            const double light = luminance(indirect.pixels[pixel]);
+            const double sum = sums[pixel];
             mean += light;
             count += 1.0;
             if (sum > 0.0) {
                 const double square =
-                    kCalibration * kCalibration * variances.at(x, y) / (sum * sum) * light * light;
+                    kCalibration * kCalibration * variances[pixel] / (sum * sum) * light * light;
                 squares += square;
-                errors.squares.at(x, y) = static_cast<float>(square);
+                errors.squares.pixels[pixel] = static_cast<float>(square);
             }
         }
     }

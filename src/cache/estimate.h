@@ -3,9 +3,8 @@
 
 #include <span>
 
-#include "cache/classes.h"
-#include "cache/lobes.h"
-#include "cache/record.h"
+#include "receivers/receivers.h"
+#include "record/record.h"
 
 namespace sheen {
 
@@ -29,8 +28,7 @@ inline bool isJudged(size_t pixel, int width) {
 /// itself, as a share of the light there; where few records reach, the less known, the more the
 /// median record's. At a pixel such errors add up as independent ones, by the records' weights.
 /// What all records get wrong alike is not seen: see probes.h. `record_pixels`: that they lie at.
-NeighbourErrors neighbourErrors(const GBuffer& gbuffer, const PixelClasses& classes,
-                                const PixelLobes& lobes, const RecordCache& cache,
+NeighbourErrors neighbourErrors(const Receivers& receivers, const RecordCache& cache,
                                 std::span<const int> record_pixels, const WeightParams& weight,
                                 const Image<vec3>& indirect);
 

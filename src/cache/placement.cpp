@@ -6,12 +6,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "cache/creases.h"
-#include "cache/pixel_light.h"
 #include "cache/record_tree.h"
-#include "cache/served.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "core/timer.h"
+#include "receivers/creases.h"
+#include "receivers/predicted.h"
+#include "receivers/served.h"
 
 namespace sheen {
 namespace {
@@ -47,20 +48,18 @@ float largestChange(const Record& r) {
 
 class Placer {
   public:
-    Placer(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-           const PixelLobes& lobes, const PlacementParams& params, const GatherFunction& gather,
-           RecordField& field)
+    Placer(const Scene& scene, const Receivers& receivers, const PlacementParams& params,
+           Gatherer& gatherer, RecordField& field, double seconds)
         : scene_(scene),
-          gbuffer_(gbuffer),
-          classes_(classes),
-          lobes_(lobes),
+          receivers_(receivers),
           params_(params),
           weight_(params.weight()),
-          gather_(gather),
+          gatherer_(gatherer),
           field_(field),
-          creases_(findCreases(gbuffer)),
-          sums_(gbuffer.width, gbuffer.height),
-          unserved_(gbuffer.width, gbuffer.height),
+          seconds_(seconds),
+          creases_(findCreases(receivers)),
+          sums_(receivers.positions.size()),
+          unserved_(receivers.positions.size()),
           tree_(scene.bounds) {}
 
     Placement run(bool quiet);
@@ -75,34 +74,33 @@ class Placer {
         float outgoing = 0;  // luminance toward the camera at its own pixel
     };
 
-    vec3 position(int i) const { return vec3(gbuffer_.position.pixels[static_cast<size_t>(i)]); }
-    vec3 normal(int i) const { return vec3(gbuffer_.normal.pixels[static_cast<size_t>(i)]); }
-    float footprint(int i) const { return gbuffer_.footprintAt(i); }
-    int order(int i) const { return classes_.orders.pixels[static_cast<size_t>(i)]; }
+    const vec3& position(int i) const { return receivers_.positions[static_cast<size_t>(i)]; }
+    const vec3& normal(int i) const { return receivers_.normals[static_cast<size_t>(i)]; }
+    float footprint(int i) const { return receivers_.footprints[static_cast<size_t>(i)]; }
+    int order(int i) const { return receivers_.orders[static_cast<size_t>(i)]; }
     bool uncovered(int i) const {
-        return order(i) != kNoOrder && sums_.pixels[static_cast<size_t>(i)] <= kCovered;
+        return order(i) != kNoOrder && sums_[static_cast<size_t>(i)] <= kCovered;
     }
-    bool missed(int i) const {
-        return uncovered(i) && unserved_.pixels[static_cast<size_t>(i)] == 0;
-    }
+    bool missed(int i) const { return uncovered(i) && unserved_[static_cast<size_t>(i)] == 0; }
 
     float leastRadius(float pixel_footprint) const {
         return params_.min_pixels * pixel_footprint / params_.accuracy;
     }
     float greatestRadius(int i) const {
-        const bool crease = creases_.pixels[static_cast<size_t>(i)] != 0;
+        const bool crease = creases_[static_cast<size_t>(i)] != 0;
         const float pixels = crease ? params_.min_pixels : params_.max_pixels;
         return pixels * footprint(i) / params_.accuracy;
     }
     // A crease counts as served only by records that reach hardly farther than the least.
     bool mayServe(const Record& record, size_t i) const {
-        return creases_.pixels[i] == 0 ||
+        return creases_[i] == 0 ||
                record.radius <= kCreaseReach * greatestRadius(static_cast<int>(i));
     }
     // The pixel after i on the grid of every stride-th pixel of every stride-th row.
     int nextPixel(int i, int stride) const {
-        const int x = i % gbuffer_.width + stride;
-        return x < gbuffer_.width ? i + stride : (i / gbuffer_.width + stride) * gbuffer_.width;
+        const int width = receivers_.image.width;
+        const int x = i % width + stride;
+        return x < width ? i + stride : (i / width + stride) * width;
     }
 
     using Nearest = std::array<size_t, kNearest>;  // placed records, kNone where there are fewer
@@ -130,16 +128,16 @@ class Placer {
     void handOver(size_t placed, RecordCache& cache) const;
 
     const Scene& scene_;
-    const GBuffer& gbuffer_;
-    const PixelClasses& classes_;
-    const PixelLobes& lobes_;
+    const Receivers& receivers_;
     const PlacementParams& params_;
     const WeightParams weight_;
-    const GatherFunction& gather_;
+    Gatherer& gatherer_;
     RecordField& field_;
-    const Image<uint8_t> creases_;
-    Image<uint32_t> sums_;
-    Image<uint8_t> unserved_;  // pixels that not even a record of their own serves
+    const double seconds_;
+    const Timer timer_;
+    const std::vector<uint8_t> creases_;
+    std::vector<uint32_t> sums_;
+    std::vector<uint8_t> unserved_;  // pixels that not even a record of their own serves
     std::vector<Placed> placed_;
     RecordTree tree_;
 };
@@ -167,7 +165,7 @@ Placer::Nearest Placer::nearestTo(const vec3& p) const {
 
 RecordSite Placer::siteOf(const Choice& choice, bool first) const {
     const int pixel = choice.pixel;
-    RecordSite site = siteAt(scene_, gbuffer_, classes_, pixel);
+    RecordSite site = siteAt(scene_, receivers_, static_cast<size_t>(pixel));
     // Of the first nothing is known.
     site.reach = first ? 0.0f : choice.radius * params_.accuracy / footprint(pixel);
     site.first = first;
@@ -197,7 +195,7 @@ std::vector<Placer::Choice> Placer::chooseSites(int pixel, int stride) const {
     };
     std::vector<Chosen> chosen;
     std::vector<Choice> choices;
-    const int count = gbuffer_.width * gbuffer_.height;
+    const int count = receivers_.count();
     for (int i = pixel; i < count && static_cast<int>(choices.size()) < params_.batch;
          i = nextPixel(i, stride)) {
         if (!missed(i)) {
@@ -225,7 +223,10 @@ void Placer::place(const std::vector<Choice>& choices, bool first) {
     for (const Choice& choice : choices) {
         sites.push_back(siteOf(choice, first));
     }
-    std::vector<GatheredRecord> gathered = gather_(sites);
+    if (timer_.seconds() > seconds_) {
+        throw OutOfTime{};
+    }
+    std::vector<GatheredRecord> gathered = gatherer_.gather(sites);
     SHEEN_CHECK_EQ(gathered.size(), sites.size());
     for (size_t i = 0; i < choices.size(); ++i) {
         field_.records.push_back(std::move(gathered[i]));
@@ -243,7 +244,7 @@ void Placer::add(size_t index) {
     Record& record = placed.record;
     record.radius =
         std::clamp(placed.allowed, leastRadius(placed.footprint), greatestRadius(pixel));
-    record.material = static_cast<float>(classes_.materials.pixels[static_cast<size_t>(pixel)]);
+    record.material = static_cast<float>(receivers_.materials[static_cast<size_t>(pixel)]);
     setMissed(index);
     placed.outgoing = predictedOutgoing(index, pixel);
     heedNeighbours(index);
@@ -252,7 +253,7 @@ void Placer::add(size_t index) {
     splat(record, true);
     // Its own pixel is served, whatever its radius, where numbers are sound: else the scan would
     // come back for ever.
-    unserved_.pixels[static_cast<size_t>(pixel)] = missed(pixel) ? 1 : 0;
+    unserved_[static_cast<size_t>(pixel)] = missed(pixel) ? 1 : 0;
 }
 
 // The radius that the error control asks for.
@@ -261,7 +262,7 @@ float Placer::allowedRadius(const GatheredRecord& g, float footprint) const {
         case ErrorControl::kSplitSphere:
             return splitSphereRadius(g);
         case ErrorControl::kHessian:
-            return hessianRadius(g, footprint * static_cast<float>(gbuffer_.height));
+            return hessianRadius(g, footprint * static_cast<float>(receivers_.image.height));
     }
     throw std::logic_error("unknown error control");
 }
@@ -277,7 +278,7 @@ float Placer::servingRadius(const Placed& placed) const {
         return radius;
     }
     const float least = radius / params_.overlap;
-    const bool crease = creases_.pixels[static_cast<size_t>(placed.pixel)] != 0;
+    const bool crease = creases_[static_cast<size_t>(placed.pixel)] != 0;
     return crease ? least : std::clamp(placed.allowed, least, radius);
 }
 
@@ -314,7 +315,7 @@ void Placer::setMissed(size_t placed) {
         return;
     }
     const vec3 said =
-        lobeLight(gbuffer_, classes_, lobes_, g.record, g.sh.data(), placed_[placed].pixel);
+        lobeLight(receivers_, g.record, g.sh.data(), static_cast<size_t>(placed_[placed].pixel));
     const float resolved = glm::smoothstep(kFewTexels, kEnoughTexels, g.lobe_texels);
     const vec3 missed = resolved * (g.lobe_light - said);
     Record& record = placed_[placed].record;
@@ -324,8 +325,8 @@ void Placer::setMissed(size_t placed) {
 }
 
 float Placer::predictedOutgoing(size_t placed, int pixel) const {
-    return outgoingLuminance(gbuffer_, classes_, lobes_, placed_[placed].record,
-                             field_.records[placed].sh.data(), pixel);
+    return outgoingLuminance(receivers_, placed_[placed].record, field_.records[placed].sh.data(),
+                             static_cast<size_t>(pixel));
 }
 
 // Shrinks a placed record's radius to `radius`, if that is smaller, and takes its weights along.
@@ -433,15 +434,15 @@ void Placer::clampNeighbours(size_t added) {
 
 void Placer::splat(const Record& record, bool add) {
     const auto may_serve = [&](size_t pixel) { return mayServe(record, pixel); };
-    forServed(gbuffer_, classes_, record, weight_, may_serve, [&](size_t pixel, float v) {
+    forServed(receivers_, record, weight_, may_serve, [&](size_t pixel, float v) {
         const auto fixed = static_cast<uint32_t>(std::min(v, kWeightLimit) * kWeightScale + 0.5f);
-        uint32_t& sum = sums_.pixels[pixel];
+        uint32_t& sum = sums_[pixel];
         sum = add ? sum + fixed : sum - fixed;
     });
 }
 
 Placement Placer::run(bool quiet) {
-    const int count = gbuffer_.width * gbuffer_.height;
+    const int count = receivers_.count();
     const bool anew = field_.records.empty();
     for (size_t i = 0; i < field_.records.size(); ++i) {
         add(i);
@@ -492,16 +493,16 @@ void Placer::handOver(size_t placed, RecordCache& cache) const {
 
 }  // namespace
 
-Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                       const PixelLobes& lobes, const PlacementParams& params,
-                       const GatherFunction& gather, bool quiet, RecordField& field) {
+Placement placeRecords(const Scene& scene, const Receivers& receivers,
+                       const PlacementParams& params, Gatherer& gatherer, RecordField& field,
+                       bool quiet, double seconds) {
     SHEEN_CHECK(params.accuracy > 0.0f && params.batch >= 1 && params.coarsest_stride >= 1);
     SHEEN_CHECK(params.overlap >= 1.0f);
     // Its own pixel, closer than half of which all is the same, is served.
     SHEEN_CHECK(params.min_pixels > 0.5f * (1.0f + shared::MIN_WEIGHT_SUM));
     SHEEN_CHECK(params.max_pixels >= params.min_pixels);
     SHEEN_CHECK_EQ(field.records.size(), field.pixels.size());
-    return Placer(scene, gbuffer, classes, lobes, params, gather, field).run(quiet);
+    return Placer(scene, receivers, params, gatherer, field, seconds).run(quiet);
 }
 
 }  // namespace sheen

@@ -4,11 +4,9 @@
 
 #include <vector>
 
-#include "cache/classes.h"
-#include "cache/gather.h"
-#include "cache/lobes.h"
-#include "cache/record.h"
-#include "raster/gbuffer.h"
+#include "gather/gatherer.h"
+#include "receivers/receivers.h"
+#include "record/record.h"
 
 namespace sheen {
 
@@ -55,6 +53,9 @@ struct RecordField {
     std::vector<int> pixels;              ///< that they lie at
 };
 
+/// Thrown where a placement takes too long.
+struct OutOfTime {};
+
 struct Placement {
     RecordCache cache;  ///< the field's records, in order, as they are to serve
     int uncovered = 0;  ///< pixels with geometry that no record serves: 0 where numbers are sound
@@ -66,8 +67,10 @@ struct Placement {
 /// radii, and gathered together, so that the gather can run in parallel; the batch is part of the
 /// parameters and not of the machine, so the records never depend on the number of threads.
 /// A batch of 1 and a stride of 1 is the chapter's linear scan, [GKB09, algorithm 5].
-Placement placeRecords(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                       const PixelLobes& lobes, const PlacementParams& params,
-                       const GatherFunction& gather, bool quiet, RecordField& field);
+/// OutOfTime where sites are left to gather after so many seconds; what was gathered stays in the
+/// field.
+Placement placeRecords(const Scene& scene, const Receivers& receivers,
+                       const PlacementParams& params, Gatherer& gatherer, RecordField& field,
+                       bool quiet, double seconds = kInfinity);
 
 }  // namespace sheen

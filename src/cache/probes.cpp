@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "cache/pixel_light.h"
 #include "core/parallel.h"
 #include "rays/jitter.h"
 
@@ -30,10 +29,10 @@ constexpr float kLobeRays = 1.0f;
 constexpr size_t kNearest = 3;  // records that tell where to look closer
 
 // The square of a pixel's error, in luminance, that is expected before probes tell.
-double expectedSquare(const NeighbourErrors& neighbours, const PixelClasses& classes,
+double expectedSquare(const NeighbourErrors& neighbours, const Receivers& receivers,
                       const Image<vec3>& indirect, size_t pixel) {
     const double by_rays =
-        classes.by_rays.pixels[pixel] != 0 ? kErrorByRays * luminance(indirect.pixels[pixel]) : 0.0;
+        receivers.by_rays[pixel] != 0 ? kErrorByRays * luminance(indirect.pixels[pixel]) : 0.0;
     return neighbours.squares.pixels[pixel] + by_rays * by_rays;
 }
 
@@ -108,17 +107,17 @@ struct Scale {
 // to be multiplied. These are believed as far as they are known to be right, the less the more
 // surely probes contradict them.
 Scale scaleOf(const NeighbourErrors& neighbours, std::span<const Probe> probes,
-              const PixelClasses& classes, const Image<vec3>& indirect, bool rays) {
+              const Receivers& receivers, const Image<vec3>& indirect, bool rays) {
     const double spread = rays ? kGuessSpread : kExpectedSpread;
     double found = 0.0;
     double expected = 0.0;
     const auto visit = [&](const auto& body) {
         for (const Probe& p : probes) {
             const auto i = static_cast<size_t>(p.pixel);
-            if ((classes.by_rays.pixels[i] != 0) == rays) {
+            if ((receivers.by_rays[i] != 0) == rays) {
                 const double c = luminance(indirect.pixels[i]);
                 body(p.stands_for, (c - luminance(p.light[0])) * (c - luminance(p.light[1])),
-                     expectedSquare(neighbours, classes, indirect, i));
+                     expectedSquare(neighbours, receivers, indirect, i));
             }
         }
     };
@@ -154,16 +153,16 @@ Scale scaleOf(const NeighbourErrors& neighbours, std::span<const Probe> probes,
 
 }  // namespace
 
-std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const PixelClasses& classes,
+std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const Receivers& receivers,
                                 const Image<vec3>& indirect, int count) {
     std::vector<Candidate> candidates[2];  // by records, by rays
     double expected[2] = {};
-    const int width = classes.orders.width;
-    for (int i = 0; i < width * classes.orders.height; ++i) {
+    const int width = receivers.image.width;
+    for (int i = 0; i < receivers.count(); ++i) {
         const auto pixel = static_cast<size_t>(i);
-        if (classes.orders.pixels[pixel] != kNoOrder && isJudged(pixel, width)) {
-            const bool by_rays = classes.by_rays.pixels[pixel] != 0;
-            const double square = expectedSquare(neighbours, classes, indirect, pixel);
+        if (receivers.orders[pixel] != kNoOrder && isJudged(pixel, width)) {
+            const bool by_rays = receivers.by_rays[pixel] != 0;
+            const double square = expectedSquare(neighbours, receivers, indirect, pixel);
             candidates[by_rays].push_back(
                 {mortonCode(static_cast<uint32_t>(i % width), static_cast<uint32_t>(i / width)), i,
                  square});
@@ -183,14 +182,13 @@ std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const PixelCl
     return probes;
 }
 
-void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                  const RecordField& field, const GatherFunction& gather,
-                  const OutgoingLight& outgoing, const SpecularParams& params,
+void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordField& field,
+                  Gatherer& gatherer, const OutgoingLight& outgoing, const SpecularParams& params,
                   std::span<Probe> probes) {
     std::vector<RecordSite> sites(probes.size());
     parallelFor(static_cast<int>(probes.size()), [&](int k) {
         RecordSite& site = sites[static_cast<size_t>(k)];
-        site = siteAt(scene, gbuffer, classes, probes[static_cast<size_t>(k)].pixel);
+        site = siteAt(scene, receivers, static_cast<size_t>(probes[static_cast<size_t>(k)].pixel));
         site.order = shared::DIFFUSE_ORDER;  // its own light is wanted, not what pixels around see
         addContrasts(field, site);
     });
@@ -198,35 +196,34 @@ void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses
         for (RecordSite& site : sites) {
             site.seed = pcgHash(site.seed);  // other rays than any record's
         }
-        const std::vector<GatheredRecord> gathered = gather(sites);
+        const std::vector<GatheredRecord> gathered = gatherer.gather(sites);
         parallelFor(static_cast<int>(probes.size()), [&](int k) {
             Probe& probe = probes[static_cast<size_t>(k)];
             const GatheredRecord& g = gathered[static_cast<size_t>(k)];
             const auto pixel = static_cast<size_t>(probe.pixel);
             vec3 light = g.lobe_light;
-            if (classes.by_rays.pixels[pixel] != 0) {
-                light = seeAgain(outgoing, gbuffer, probe.pixel, kLobeRays, half, params);
+            if (receivers.by_rays[pixel] != 0) {
+                light = seeAgain(outgoing, receivers, pixel, kLobeRays, half, params);
             }
-            probe.light[half] = vec3(gbuffer.diffuse.pixels[pixel]) * g.record.irradiance / kPi;
-            if (!classes.irradiance_only) {
-                probe.light[half] += specularAlbedo(gbuffer, probe.pixel) * light;
+            probe.light[half] = receivers.diffuse[pixel] * g.record.irradiance / kPi;
+            if (!receivers.irradiance_only) {
+                probe.light[half] += receivers.specularAlbedo(pixel) * light;
             }
         });
     }
 }
 
 ErrorEstimate estimateError(const NeighbourErrors& neighbours, std::span<const Probe> probes,
-                            const GBuffer& gbuffer, const PixelClasses& classes,
-                            const Image<vec3>& indirect) {
+                            const Receivers& receivers, const Image<vec3>& indirect) {
     double mean = 0.0;
     double seen = 0.0;
     double expected[2] = {};  // squares, of pixels by records and by rays
     for (size_t i = 0; i < indirect.pixels.size(); ++i) {
-        if (gbuffer.seen(static_cast<int>(i)) && isJudged(i, gbuffer.width)) {
+        if (receivers.seen(i) && isJudged(i, receivers.image.width)) {
             mean += luminance(indirect.pixels[i]);
             seen += 1.0;
-            expected[classes.by_rays.pixels[i] != 0 ? 1 : 0] +=
-                expectedSquare(neighbours, classes, indirect, i);
+            expected[receivers.by_rays[i] != 0 ? 1 : 0] +=
+                expectedSquare(neighbours, receivers, indirect, i);
         }
     }
     if (!(mean > 0.0) || probes.empty()) {
@@ -235,7 +232,7 @@ ErrorEstimate estimateError(const NeighbourErrors& neighbours, std::span<const P
     double square = 0.0;
     double variance = 0.0;
     for (const int rays : {0, 1}) {
-        const Scale scale = scaleOf(neighbours, probes, classes, indirect, rays != 0);
+        const Scale scale = scaleOf(neighbours, probes, receivers, indirect, rays != 0);
         if (scale.of_expected) {
             square += scale.factor * expected[rays];
             variance += scale.variance * expected[rays] * expected[rays];

@@ -22,14 +22,13 @@ struct Probe {
 
 /// About so many probes among the judged pixels, half of them where rays gather if there are such
 /// pixels: half of these evenly over the image, the others where errors are expected.
-std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const PixelClasses& classes,
+std::vector<Probe> chooseProbes(const NeighbourErrors& neighbours, const Receivers& receivers,
                                 const Image<vec3>& indirect, int count);
 
-/// Gathers their light, `gather` being asked twice, for sites of other seeds. The closest of the
+/// Gathers their light, `gatherer` being asked twice, for sites of other seeds. The closest of the
 /// field's records tell where to look closer.
-void gatherProbes(const Scene& scene, const GBuffer& gbuffer, const PixelClasses& classes,
-                  const RecordField& field, const GatherFunction& gather,
-                  const OutgoingLight& outgoing, const SpecularParams& params,
+void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordField& field,
+                  Gatherer& gatherer, const OutgoingLight& outgoing, const SpecularParams& params,
                   std::span<Probe> probes);
 
 /// The error of an image as a share of its mean, rel_rmse of docs/metrics.md.
@@ -43,7 +42,6 @@ struct ErrorEstimate {
 /// What neighbouring records expect, corrected by what probes find, as far as these are sure. No
 /// numbers where nothing is lit.
 ErrorEstimate estimateError(const NeighbourErrors& neighbours, std::span<const Probe> probes,
-                            const GBuffer& gbuffer, const PixelClasses& classes,
-                            const Image<vec3>& indirect);
+                            const Receivers& receivers, const Image<vec3>& indirect);
 
 }  // namespace sheen

@@ -45,14 +45,15 @@ struct Fits {
 
 class Filter {
   public:
-    Filter(const GBuffer& gbuffer, const PixelClasses& classes, const NoisyLight& light)
-        : gbuffer_(gbuffer), classes_(classes), light_(light) {
-        index_ = Image<int>(gbuffer.width, gbuffer.height, -1);
+    Filter(const Receivers& receivers, const NoisyLight& light)
+        : receivers_(receivers), light_(light) {
+        const PixelGrid& image = receivers.image;
+        index_ = Image<int>(image.width, image.height, -1);
         for (size_t i = 0; i < index_.pixels.size(); ++i) {
-            if (classes.by_rays.pixels[i] != 0) {
+            if (receivers.by_rays[i] != 0) {
                 index_.pixels[i] = static_cast<int>(pixels_.size());
-                pixels_.emplace_back(i % static_cast<size_t>(gbuffer.width),
-                                     i / static_cast<size_t>(gbuffer.width));
+                pixels_.emplace_back(i % static_cast<size_t>(image.width),
+                                     i / static_cast<size_t>(image.width));
             }
         }
         fits_.resize(pixels_.size());
@@ -62,7 +63,7 @@ class Filter {
     Image<vec3> run() {
         forEach([&](size_t i) { fit(i); });
         forEach([&](size_t i) { chosen_[i] = choose(pixels_[i]); });
-        Image<vec3> filtered(gbuffer_.width, gbuffer_.height);
+        Image<vec3> filtered(index_.width, index_.height);
         forEach([&](size_t i) { filtered.at(pixels_[i].x, pixels_[i].y) = blended(i); });
         return filtered;
     }
@@ -78,26 +79,30 @@ class Filter {
     // Calls visit(offset, place) for the pixels that take part around one, of every `step`-th.
     template <class F>
     void forAlike(const ivec2& own, int reach, int step, const F& visit) const {
-        const vec3 p(gbuffer_.position.at(own.x, own.y));
-        const vec3 n(gbuffer_.normal.at(own.x, own.y));
-        const float step_height =
-            kOffPlane * gbuffer_.pixel_angle * gbuffer_.position.at(own.x, own.y).w;
+        const size_t i = indexOf(own);
+        const vec3& p = receivers_.positions[i];
+        const vec3& n = receivers_.normals[i];
+        const float step_height = kOffPlane * receivers_.footprints[i];
         for (int dy = -reach; dy <= reach; dy += step) {
             for (int dx = -reach; dx <= reach; dx += step) {
                 const ivec2 at = own + ivec2(dx, dy);
-                if (at.x < 0 || at.y < 0 || at.x >= gbuffer_.width || at.y >= gbuffer_.height ||
-                    index_.at(at.x, at.y) < 0 ||
-                    classes_.materials.at(at.x, at.y) != classes_.materials.at(own.x, own.y) ||
-                    classes_.isCorrected(at.x, at.y) != classes_.isCorrected(own.x, own.y)) {
+                if (at.x < 0 || at.y < 0 || at.x >= index_.width || at.y >= index_.height ||
+                    index_.at(at.x, at.y) < 0) {
                     continue;
                 }
-                const vec3 offset = vec3(gbuffer_.position.at(at.x, at.y)) - p;
+                const size_t k = indexOf(at);
+                if (receivers_.materials[k] != receivers_.materials[i] ||
+                    receivers_.isCorrected(k) != receivers_.isCorrected(i)) {
+                    continue;
+                }
+                const vec3 offset = receivers_.positions[k] - p;
                 if (std::abs(glm::dot(offset, n)) <= step_height && finiteAt(at)) {
                     visit(ivec2(dx, dy), at);
                 }
             }
         }
     }
+    size_t indexOf(const ivec2& at) const { return receivers_.image.index(at.x, at.y); }
     // What is no number, compose() counts at one pixel; none around is to suffer from it.
     bool finiteAt(const ivec2& at) const {
         const vec3 sum = light_.halves[0].at(at.x, at.y) + light_.halves[1].at(at.x, at.y);
@@ -108,18 +113,19 @@ class Filter {
     // differs from the surface's. Half vectors' slopes have GGX's width alpha however narrow
     // grazing views make the lobe. What is mirrored lies at the distance found [Zhd21].
     float slope(const ivec2& own, const ivec2& at) const {
-        const vec3 p(gbuffer_.position.at(own.x, own.y));
-        const vec4 normal = gbuffer_.normal.at(own.x, own.y);
-        const vec3 n(normal);
-        const vec3 q(gbuffer_.position.at(at.x, at.y));
-        const vec3 wo = glm::normalize(gbuffer_.view.origin - p);
-        const vec3 mirrored = glm::reflect(glm::normalize(q - gbuffer_.view.origin),
-                                           vec3(gbuffer_.normal.at(at.x, at.y)));
+        const size_t i = indexOf(own);
+        const size_t k = indexOf(at);
+        const vec3& p = receivers_.positions[i];
+        const vec3& n = receivers_.normals[i];
+        const vec3& q = receivers_.positions[k];
+        const vec3 wo = receivers_.towardViewer(i);
+        const vec3 mirrored =
+            glm::reflect(glm::normalize(q - receivers_.image.view.origin), receivers_.normals[k]);
         const float nearness =
             std::max(light_.nearness.at(at.x, at.y), light_.nearness.at(own.x, own.y));
         const vec3 h = wo + glm::normalize(mirrored + (q - p) * nearness);
         const float NoH = std::max(glm::dot(h, n), 1e-6f);
-        const float slope = glm::length(h - NoH * n) / (NoH * shared::alphaFromRoughness(normal.w));
+        const float slope = glm::length(h - NoH * n) / (NoH * receivers_.alpha(i));
         return slope < kFarSlope ? slope : kFarSlope;  // also where it is no number
     }
 
@@ -127,8 +133,7 @@ class Filter {
     size_t choose(const ivec2& own) const;
     vec3 blended(size_t i) const;
 
-    const GBuffer& gbuffer_;
-    const PixelClasses& classes_;
+    const Receivers& receivers_;
     const NoisyLight& light_;
     Image<int> index_;  // into pixels_, -1: not by rays
     std::vector<ivec2> pixels_;
@@ -251,7 +256,7 @@ size_t Filter::choose(const ivec2& own) const {
         }
     });
     // Where there are no records' lobes, the fits that tell of these are none.
-    const bool corrected = classes_.isCorrected(own.x, own.y);
+    const bool corrected = receivers_.isCorrected(indexOf(own));
     size_t best = !corrected ? 2 : error2[1] < error2[0] ? 1 : 0;
     for (size_t f = best + 1; f < kFits; ++f) {
         if (error2[f] < (corrected ? 1.0f - kBetter : 1.0f) * error2[best]) {
@@ -274,9 +279,8 @@ vec3 Filter::blended(size_t i) const {
 
 }  // namespace
 
-Image<vec3> filterLight(const GBuffer& gbuffer, const PixelClasses& classes,
-                        const NoisyLight& light) {
-    return Filter(gbuffer, classes, light).run();
+Image<vec3> filterLight(const Receivers& receivers, const NoisyLight& light) {
+    return Filter(receivers, light).run();
 }
 
 }  // namespace sheen

@@ -3,9 +3,8 @@
 // Based on: [RMZ13], [BRM16].
 #pragma once
 
-#include "cache/classes.h"
 #include "image/image.h"
-#include "raster/gbuffer.h"
+#include "receivers/receivers.h"
 
 namespace sheen {
 
@@ -18,11 +17,10 @@ struct NoisyLight {
     Image<float> nearness;  ///< mean of one over the distance that a pixel's light comes from
 };
 
-/// The light of the pixels in PixelClasses::by_rays; black elsewhere. In windows of several widths
+/// The light of the pixels in Receivers::by_rays; black elsewhere. In windows of several widths
 /// around a pixel, the light is fitted by a plane in the image plus a multiple of the guide; the
 /// width is the one at which either half of the rays is best told by the fit to the other. Pixels
 /// of another material or class, or a step away, take no part.
-Image<vec3> filterLight(const GBuffer& gbuffer, const PixelClasses& classes,
-                        const NoisyLight& light);
+Image<vec3> filterLight(const Receivers& receivers, const NoisyLight& light);
 
 }  // namespace sheen

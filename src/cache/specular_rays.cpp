@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cache/lobes.h"
 #include "cache/ray_filter.h"
 #include "core/parallel.h"
 #include "rays/jitter.h"
@@ -19,36 +18,23 @@ namespace {
 constexpr int kRowSamples = Tracer::kPacket;
 constexpr uint32_t kMostSamples = 1u << 16u;  // of a pixel, more than there are
 
-struct Lobe {
-    vec3 position, n, wo;
-    float alpha;
-
-    Lobe(const GBuffer& gbuffer, const ivec2& at)
-        : position(gbuffer.position.at(at.x, at.y)),
-          n(gbuffer.normal.at(at.x, at.y)),
-          wo(glm::normalize(gbuffer.view.origin - position)),
-          alpha(shared::alphaFromRoughness(gbuffer.normal.at(at.x, at.y).w)) {}
-};
-
 // What a pixel sees by this share of the usual rays, when `sharing` pixels share them. A ray sees
 // highlights as wide as the cone it stands for: where that is counted too wide, mirrored highlights
 // are blurred. Rays are weighted by the estimator of visible normals, F G2 / G1, whose mean is the
 // lobe's albedo.
-SpecularSeen see(const OutgoingLight& light, const GBuffer& gbuffer, const ivec2& at,
-                 float rays_share, float sharing, const SpecularParams& params,
-                 uint32_t sample = 0) {
-    const Lobe lobe(gbuffer, at);
-    const int i = at.y * gbuffer.width + at.x;
-    const SurfaceSide from = gbuffer.sideAt(light.scene(), i);
+SpecularSeen see(const OutgoingLight& light, const Receivers& receivers, size_t i, float rays_share,
+                 float sharing, const SpecularParams& params, uint32_t sample = 0) {
+    const SurfaceSide from = receivers.sideAt(light.scene(), i);
     const vec3& n_g = from.n_g;
-    const mat3 frame = tangentFrame(lobe.n);
-    const vec3 wo_local = glm::transpose(frame) * lobe.wo;
+    const mat3 frame = tangentFrame(receivers.normals[i]);
+    const vec3 wo_local = glm::transpose(frame) * receivers.towardViewer(i);
     const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
-    const vec3 f0 = gbuffer.f0.at(at.x, at.y);
-    const float f90 = gbuffer.diffuse.at(at.x, at.y).w;
+    const float alpha = receivers.alpha(i);
+    const vec3& f0 = receivers.f0[i];
+    const float f90 = receivers.f90[i];
     const vec3 eye = from.start();
-    const float wanted = rays_share * std::min(params.rays_per_alpha * lobe.alpha,
-                                               static_cast<float>(params.max_rays));
+    const float wanted =
+        rays_share * std::min(params.rays_per_alpha * alpha, static_cast<float>(params.max_rays));
     const int rows = std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), 1);
     const float rays_sharing = static_cast<float>(rows * kRowSamples) * sharing;
     // The halves are the fields of a chessboard of strata, which is which by chance: each is right
@@ -67,7 +53,7 @@ SpecularSeen see(const OutgoingLight& light, const GBuffer& gbuffer, const ivec2
                 randomPlace(static_cast<uint32_t>(i),
                             kMostSamples * sample + static_cast<uint32_t>(row * kRowSamples + k));
             const vec2 u = (vec2(row, k) + place) / vec2(rows, kRowSamples);
-            const vec3 h = sampleGgxVisibleNormal(wo_local, lobe.alpha, u);
+            const vec3 h = sampleGgxVisibleNormal(wo_local, alpha, u);
             const float VoH = glm::dot(wo_local, h);
             const vec3 wi = 2.0f * VoH * h - wo_local;
             const vec3 direction = frame * wi;
@@ -75,15 +61,15 @@ SpecularSeen see(const OutgoingLight& light, const GBuffer& gbuffer, const ivec2
                 continue;
             }
             const vec3 fresnel = f0 + (vec3(f90) - f0) * shared::schlickWeight(VoH);
-            const vec3 weight = fresnel * visibleNormalWeight(NoV, wi.z, lobe.alpha);
+            const vec3 weight = fresnel * visibleNormalWeight(NoV, wi.z, alpha);
             const int half = (row + k + (turned ? 1 : 0)) % 2;
             result.weight[half] += weight;
             if (glm::dot(direction, n_g) > 0.0f) {
                 directions[count] = glm::normalize(direction);
                 // One over the density of the rays, D G1 / (4 NoV) of each [Hei18, eq. 17], those
                 // of the pixels that share them included.
-                const float density = rays_sharing * shared::distributionGgx(h.z, lobe.alpha) *
-                                      maskingSmith(NoV, lobe.alpha) / (4.0f * NoV);
+                const float density = rays_sharing * shared::distributionGgx(h.z, alpha) *
+                                      maskingSmith(NoV, alpha) / (4.0f * NoV);
                 solid_angles[count] = std::min(1.0f / std::max(density, 1e-12f), kPi);
                 halves[count] = half;
                 weights[count++] = weight;
@@ -99,7 +85,7 @@ SpecularSeen see(const OutgoingLight& light, const GBuffer& gbuffer, const ivec2
         }
     }
     const auto all = static_cast<float>(rows * kRowSamples);
-    const vec3 scale = 2.0f / (all * glm::max(specularAlbedo(gbuffer, i), vec3(1e-12f)));
+    const vec3 scale = 2.0f / (all * glm::max(receivers.specularAlbedo(i), vec3(1e-12f)));
     result.nearness /= all;
     for (int k = 0; k < 2; ++k) {
         result.light[k] *= scale;
@@ -108,13 +94,14 @@ SpecularSeen see(const OutgoingLight& light, const GBuffer& gbuffer, const ivec2
     return result;
 }
 
-// Calls body(x, y) for the pixels gathered by rays.
+// Calls body(i) for the pixels gathered by rays.
 template <class F>
-void forEachByRays(const PixelClasses& classes, const F& body) {
-    parallelFor(classes.by_rays.height, [&](int y) {
-        for (int x = 0; x < classes.by_rays.width; ++x) {
-            if (classes.by_rays.at(x, y) != 0) {
-                body(x, y);
+void forEachByRays(const Receivers& receivers, const F& body) {
+    const PixelGrid& image = receivers.image;
+    parallelFor(image.height, [&](int y) {
+        for (size_t i = image.index(0, y); i < image.index(0, y + 1); ++i) {
+            if (receivers.by_rays[i] != 0) {
+                body(i);
             }
         }
     });
@@ -122,57 +109,56 @@ void forEachByRays(const PixelClasses& classes, const F& body) {
 
 }  // namespace
 
-Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const GBuffer& gbuffer,
-                                  const PixelClasses& classes, const SpecularParams& params) {
+Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const Receivers& receivers,
+                                  const SpecularParams& params) {
     // As many pixels as a Gaussian counts for: 4 pi times its variance.
     const float sharing = std::max(4.0f * kPi * params.window * params.window, 1.0f);
-    Image<SpecularSeen> seen(gbuffer.width, gbuffer.height);
-    forEachByRays(classes, [&](int x, int y) {
-        if (!classes.isCorrected(x, y)) {
-            seen.at(x, y) = see(light, gbuffer, {x, y}, 1.0f, 1.0f, params);
+    Image<SpecularSeen> seen(receivers.image.width, receivers.image.height);
+    forEachByRays(receivers, [&](size_t i) {
+        if (!receivers.isCorrected(i)) {
+            seen.pixels[i] = see(light, receivers, i, 1.0f, 1.0f, params);
             return;
         }
         // Their noise shows by the lobe's share of what a pixel reflects: so do their rays [Ney34].
-        const float specular = luminance(specularAlbedo(gbuffer, y * gbuffer.width + x));
-        const float all = specular + luminance(vec3(gbuffer.diffuse.at(x, y)));
+        const float specular = luminance(receivers.specularAlbedo(i));
+        const float all = specular + luminance(receivers.diffuse[i]);
         const float share = specular / std::max(all, 1e-12f);
-        seen.at(x, y) = see(light, gbuffer, {x, y}, share, sharing, params);
+        seen.pixels[i] = see(light, receivers, i, share, sharing, params);
     });
     return seen;
 }
 
-vec3 seeAgain(const OutgoingLight& light, const GBuffer& gbuffer, int pixel, float share,
+vec3 seeAgain(const OutgoingLight& light, const Receivers& receivers, size_t pixel, float share,
               int sample, const SpecularParams& params) {
-    const ivec2 at(pixel % gbuffer.width, pixel / gbuffer.width);
     const SpecularSeen seen =
-        see(light, gbuffer, at, share, 1.0f, params, static_cast<uint32_t>(sample + 1));
+        see(light, receivers, pixel, share, 1.0f, params, static_cast<uint32_t>(sample + 1));
     return (seen.light[0] + seen.light[1]) /
            glm::max(seen.weight[0] + seen.weight[1], vec3(1e-12f));
 }
 
-Image<vec3> reflectSpecular(const GBuffer& gbuffer, const PixelClasses& classes,
-                            const Image<SpecularSeen>& seen, const Image<vec3>& cached) {
-    const Image<vec3> none(gbuffer.width, gbuffer.height);
-    NoisyLight light{.halves = {none, none},
-                     .guide = none,
-                     .nearness = Image<float>(gbuffer.width, gbuffer.height)};
-    Image<vec3> specular(gbuffer.width, gbuffer.height);
-    forEachByRays(classes, [&](int x, int y) {
-        const vec3 albedo = specularAlbedo(gbuffer, y * gbuffer.width + x);
-        specular.at(x, y) = albedo;
-        const bool corrected = classes.isCorrected(x, y);
-        const vec3 said = corrected ? cached.at(x, y) / glm::max(albedo, vec3(1e-12f)) : vec3(0.0f);
-        light.guide.at(x, y) = said;
-        light.nearness.at(x, y) = seen.at(x, y).nearness;
+Image<vec3> reflectSpecular(const Receivers& receivers, const Image<SpecularSeen>& seen,
+                            const Image<vec3>& cached) {
+    Image<vec3> specular(receivers.image.width, receivers.image.height);
+    NoisyLight light{.halves = {specular, specular},
+                     .guide = specular,
+                     .nearness = Image<float>(specular.width, specular.height)};
+    forEachByRays(receivers, [&](size_t i) {
+        const vec3 albedo = receivers.specularAlbedo(i);
+        specular.pixels[i] = albedo;
+        const bool corrected = receivers.isCorrected(i);
+        const vec3 said =
+            corrected ? cached.pixels[i] / glm::max(albedo, vec3(1e-12f)) : vec3(0.0f);
+        light.guide.pixels[i] = said;
+        const SpecularSeen& s = seen.pixels[i];
+        light.nearness.pixels[i] = s.nearness;
         for (int half = 0; half < 2; ++half) {
-            const SpecularSeen& s = seen.at(x, y);
-            light.halves[half].at(x, y) =
+            light.halves[half].pixels[i] =
                 corrected ? said + s.light[half] - said * s.weight[half]
                           : s.light[half] / glm::max(s.weight[half], vec3(1e-12f));
         }
     });
-    const Image<vec3> filtered = filterLight(gbuffer, classes, light);
-    forEachByRays(classes, [&](int x, int y) { specular.at(x, y) *= filtered.at(x, y); });
+    const Image<vec3> filtered = filterLight(receivers, light);
+    forEachByRays(receivers, [&](size_t i) { specular.pixels[i] *= filtered.pixels[i]; });
     return specular;
 }
 

@@ -3,10 +3,9 @@
 // filtered.
 #pragma once
 
-#include "cache/classes.h"
 #include "image/image.h"
 #include "light/outgoing.h"
-#include "raster/gbuffer.h"
+#include "receivers/receivers.h"
 
 namespace sheen {
 
@@ -25,19 +24,19 @@ struct SpecularSeen {
     float nearness = 0;   ///< mean of one over the distance it comes from; 0: no ray met anything
 };
 
-/// What the lobes of the pixels in PixelClasses::by_rays see of indirect light. Rays follow the
-/// lobe (visible normals [Hei18]) at random places; they see the light that records see.
-Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const GBuffer& gbuffer,
-                                  const PixelClasses& classes, const SpecularParams& params);
+/// What the lobes of Receivers::by_rays see of indirect light. Rays follow the lobe (visible
+/// normals [Hei18]) at random places; they see the light that records see.
+Image<SpecularSeen> traceSpecular(const OutgoingLight& light, const Receivers& receivers,
+                                  const SpecularParams& params);
 
 /// The mean of the light that a pixel's lobe sees by `share` times as many rays as usual, others
 /// than before for each `sample` from 0 on.
-vec3 seeAgain(const OutgoingLight& light, const GBuffer& gbuffer, int pixel, float share,
+vec3 seeAgain(const OutgoingLight& light, const Receivers& receivers, size_t pixel, float share,
               int sample, const SpecularParams& params);
 
 /// What these lobes reflect; black elsewhere. `cached`: by the records alone, as cachedSpecular()
 /// finds it; of pixels too glossy for the cache it is not asked.
-Image<vec3> reflectSpecular(const GBuffer& gbuffer, const PixelClasses& classes,
-                            const Image<SpecularSeen>& seen, const Image<vec3>& cached);
+Image<vec3> reflectSpecular(const Receivers& receivers, const Image<SpecularSeen>& seen,
+                            const Image<vec3>& cached);
 
 }  // namespace sheen

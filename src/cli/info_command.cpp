@@ -1,11 +1,11 @@
 // sheen info: what a scene file holds, as Sheen reads it.
 #include <memory>
 
-#include "cache/classes.h"
-#include "cache/record.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/output.h"
+#include "receivers/classes.h"
+#include "record/record.h"
 #include "scene/scene.h"
 
 namespace sheen::cli {

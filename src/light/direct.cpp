@@ -11,19 +11,20 @@ namespace sheen {
 Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer) {
     constexpr int kPacket = Tracer::kPacket;
     const Scene& scene = tracer.scene();
-    Image<vec3> direct(gbuffer.width, gbuffer.height);
-    parallelFor(gbuffer.height, [&](int y) {
+    const PixelGrid& image = gbuffer.image;
+    Image<vec3> direct(image.width, image.height);
+    parallelFor(image.height, [&](int y) {
         size_t pixels[kPacket];
         SurfaceSide points[kPacket];
-        for (int x = 0; x < gbuffer.width;) {
+        for (int x = 0; x < image.width;) {
             // The row's next pixels that see something.
             size_t count = 0;
-            for (; x < gbuffer.width && count < kPacket; ++x) {
-                const int i = y * gbuffer.width + x;
+            for (; x < image.width && count < kPacket; ++x) {
+                const size_t i = image.index(x, y);
                 if (!gbuffer.seen(i)) {
                     continue;
                 }
-                pixels[count] = static_cast<size_t>(i);
+                pixels[count] = i;
                 points[count++] = gbuffer.sideAt(scene, i);
             }
             for (const PunctualLight& light : scene.lights) {
@@ -33,13 +34,12 @@ Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer) {
                         continue;
                     }
                     const size_t i = pixels[k];
-                    const vec4& normal = gbuffer.normal.pixels[i];
-                    const vec4& diffuse = gbuffer.diffuse.pixels[i];
+                    const float roughness = gbuffer.roughness.pixels[i];
                     const Scatterer surface{.n = gbuffer.mappedNormalAt(i),
-                                            .brdf = {.diffuse = vec3(diffuse),
-                                                     .alpha = shared::alphaFromRoughness(normal.w),
+                                            .brdf = {.diffuse = gbuffer.diffuse.pixels[i],
+                                                     .alpha = shared::alphaFromRoughness(roughness),
                                                      .f0 = gbuffer.f0.pixels[i],
-                                                     .f90 = diffuse.w}};
+                                                     .f90 = gbuffer.f90.pixels[i]}};
                     direct.pixels[i] += scattered(surface, points[k].toward_viewer,
                                                   shared::sampleLight(light, points[k].position));
                 }

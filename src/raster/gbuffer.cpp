@@ -15,20 +15,23 @@ namespace {
 void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_t i, GBuffer& g) {
     const SurfacePoint p =
         surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
-    const float depth = glm::dot(vec3(g.view.dual_forward), p.position - g.view.origin);
+    const float depth = g.image.depthOf(p.position);
     if (!(depth > 0.0f)) {
         return;
     }
     const MaterialParams material = materialAt(scene, p.triangle, p.barycentric);
     const Scatterer surface = scattererAt(scene, p, material);
-    g.position.pixels[i] = vec4(p.position, depth);
+    g.position.pixels[i] = p.position;
+    g.depth.pixels[i] = depth;
     const ShadingNormals normals = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo);
-    g.normal.pixels[i] = vec4(normals.smooth, material.roughness);
+    g.normal.pixels[i] = normals.smooth;
     if (!g.mapped_normal.empty()) {
         g.mapped_normal.pixels[i] = normals.mapped;
     }
-    g.diffuse.pixels[i] = vec4(surface.brdf.diffuse, surface.brdf.f90);
+    g.diffuse.pixels[i] = surface.brdf.diffuse;
     g.f0.pixels[i] = surface.brdf.f0;
+    g.f90.pixels[i] = surface.brdf.f90;
+    g.roughness.pixels[i] = material.roughness;
     if (!g.emission.empty()) {
         g.emission.pixels[i] = material.emission;
     }
@@ -39,9 +42,9 @@ void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_
 float nearestDepth(const GBuffer& gbuffer) {
     constexpr size_t kFew = 100;  // one of so many
     std::vector<float> depths;
-    for (const vec4& p : gbuffer.position.pixels) {
-        if (p.w > 0.0f) {
-            depths.push_back(p.w);
+    for (const float depth : gbuffer.depth.pixels) {
+        if (depth > 0.0f) {
+            depths.push_back(depth);
         }
     }
     if (depths.empty()) {
@@ -67,14 +70,14 @@ Bounds grown(const Bounds& box, float share) {
 GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height) {
     const Scene& scene = tracer.scene();
     GBuffer result;
-    result.width = width;
-    result.height = height;
-    result.view = cameraView(camera, width, height);
-    result.pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(height);
-    for (Image<vec4>* image : {&result.position, &result.normal, &result.diffuse}) {
-        *image = Image<vec4>(width, height);
+    result.image = pixelGrid(camera, width, height);
+    for (Image<vec3>* image :
+         {&result.position, &result.normal, &result.diffuse, &result.f0, &result.direct}) {
+        *image = Image<vec3>(width, height);
     }
-    result.f0 = result.direct = Image<vec3>(width, height);
+    for (Image<float>* image : {&result.depth, &result.f90, &result.roughness}) {
+        *image = Image<float>(width, height);
+    }
     if (std::any_of(scene.materials.begin(), scene.materials.end(),
                     [](const Material& m) { return m.emits(); }) ||
         scene.environment.shows()) {
@@ -106,9 +109,10 @@ std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {
     constexpr float kLarger = 2.0f;  // of a box that is worth having besides
     const float farthest = kNear * nearestDepth(gbuffer);
     Bounds box;
-    for (const vec4& p : gbuffer.position.pixels) {
-        if (p.w > 0.0f && p.w <= farthest) {
-            box.add(vec3(p));
+    for (size_t i = 0; i < gbuffer.position.pixels.size(); ++i) {
+        const float depth = gbuffer.depth.pixels[i];
+        if (depth > 0.0f && depth <= farthest) {
+            box.add(gbuffer.position.pixels[i]);
         }
     }
     const auto held_by = [&](const Bounds& around) {
@@ -118,9 +122,9 @@ std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {
                 held.add(p);
             }
         };
-        for (const vec4& p : gbuffer.position.pixels) {
-            if (p.w > 0.0f) {
-                hold(vec3(p));
+        for (size_t i = 0; i < gbuffer.position.pixels.size(); ++i) {
+            if (gbuffer.depth.pixels[i] > 0.0f) {
+                hold(gbuffer.position.pixels[i]);
             }
         }
         std::for_each(scene.positions.begin(), scene.positions.end(), hold);
@@ -143,8 +147,8 @@ std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {
 
 void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer) {
     using namespace gl;
-    const int width = gbuffer.width;
-    const int height = gbuffer.height;
+    const int width = gbuffer.image.width;
+    const int height = gbuffer.image.height;
     // As shaders number them, from 1 on.
     Image<uint32_t> triangles(width, height, 0);
     for (size_t i = 0; i < triangles.pixels.size(); ++i) {
@@ -167,32 +171,13 @@ void lightGBuffer(gl::WorkerPool& pool, const GpuScene& gpu, GBuffer& gbuffer) {
         bindShading(gpu, program);
         program.set("image_size", vec2(width, height));
         glBindTextureUnit(1, visibility.name());
-        const Buffer views = makeBuffer(std::span<const View>(&gbuffer.view, 1));
+        const Buffer views = makeBuffer(std::span<const View>(&gbuffer.image.view, 1));
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, views.name());
         glBindVertexArray(empty.name());
         drawFullscreen();
         glReadPixels(0, 0, width, height, GL_RGB, GL_FLOAT, gbuffer.direct.pixels.data());
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
     });
-}
-
-vec3 GBuffer::geometricNormalAt(const Scene& scene, int i) const {
-    const auto pixel = static_cast<size_t>(i);
-    const auto triangle = static_cast<int>(primitive.pixels[pixel]);
-    return shared::faceViewer(geometricNormal(scene, triangle),
-                              view.origin - vec3(position.pixels[pixel]));
-}
-
-SurfaceSide GBuffer::sideAt(const Scene& scene, int i) const {
-    const auto pixel = static_cast<size_t>(i);
-    const vec3 p(position.pixels[pixel]);
-    const vec3 n_g = geometricNormalAt(scene, i);
-    const vec3 way = view.origin - p;
-    const float distance = glm::length(way);
-    return {.position = p,
-            .n_g = n_g,
-            .toward_viewer = way / distance,
-            .offset = surfaceOffset(scene, primitive.pixels[pixel], p, n_g, distance)};
 }
 
 }  // namespace sheen

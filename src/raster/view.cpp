@@ -44,6 +44,13 @@ View cameraView(const Camera& camera, int width, int height) {
                            -axes[1] * tan_half, -axes[2], 0.0f);
 }
 
+PixelGrid pixelGrid(const Camera& camera, int width, int height) {
+    return {.width = width,
+            .height = height,
+            .view = cameraView(camera, width, height),
+            .pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(height)};
+}
+
 bool sphereInView(const View& view, const vec3& center, float radius) {
     const vec3 d = center - view.origin;
     if (view.kind == shared::VIEW_PARALLEL) {

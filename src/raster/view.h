@@ -23,6 +23,24 @@ View parallelView(const vec3& origin, const vec3& right, const vec3& up, const v
 /// OpenGL draws is row 0 of the image. Without a near plane: rays see what it shows.
 View cameraView(const Camera& camera, int width, int height);
 
+/// An image's pixels and what it shows.
+struct PixelGrid {
+    int width = 0;
+    int height = 0;
+    View view{};
+    float pixel_angle = 0;  ///< width of a pixel at depth 1
+
+    int count() const { return width * height; }
+    size_t index(int x, int y) const {
+        return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+    }
+    /// Along the view axis.
+    float depthOf(const vec3& p) const {
+        return glm::dot(vec3(view.dual_forward), p - view.origin);
+    }
+};
+PixelGrid pixelGrid(const Camera& camera, int width, int height);
+
 /// Whether a sphere may be seen in a view (conservative). A parallel view is taken as endless.
 bool sphereInView(const View& view, const vec3& center, float radius);
 

@@ -49,6 +49,18 @@ struct SurfaceSide {
     vec3 start() const { return offSurface(position, n_g, toward_viewer, offset); }
 };
 
+/// The side of a triangle's point that is seen from `eye`.
+inline SurfaceSide sideToward(const Scene& scene, uint32_t triangle, const vec3& position,
+                              const vec3& eye) {
+    const vec3 way = eye - position;
+    const vec3 n_g = shared::faceViewer(geometricNormal(scene, static_cast<int>(triangle)), way);
+    const float distance = glm::length(way);
+    return {.position = position,
+            .n_g = n_g,
+            .toward_viewer = way / distance,
+            .offset = surfaceOffset(scene, triangle, position, n_g, distance)};
+}
+
 /// Whether light scatters alike in all directions.
 inline bool isLambertian(const MaterialParams& material) {
     return material.metallic == 0.0f && material.specular == 0.0f;

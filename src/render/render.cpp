@@ -2,20 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <span>
+#include <stdexcept>
 
 #include "baselines/denoise.h"
 #include "baselines/irradiance_cache.h"
 #include "cache/estimate.h"
 #include "cache/placement.h"
 #include "cache/probes.h"
-#include "cache/raster_gather.h"
-#include "cache/ray_gather.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gather/raster_gather.h"
+#include "gather/ray_gather.h"
 #include "gl/objects.h"
+#include "receivers/classes.h"
 #include "render/session.h"
 #include "splat/splat.h"
 
@@ -99,25 +99,15 @@ void dropTargets() {
     gl::glFinish();
 }
 
-// A gatherer of either kind, for as long as a pass lasts.
-class PassGatherer {
-  public:
-    PassGatherer(SceneState& state, const HemisphereParams& hemisphere) {
-        if (state.road == GatherRoad::kRays) {
-            rays_.emplace(*state.outgoing, hemisphere);
-        } else {
-            raster_.emplace(state.pool, state.gpu, hemisphere);
-        }
+std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const HemisphereParams& hemisphere) {
+    switch (state.road) {
+        case GatherRoad::kRays:
+            return std::make_unique<RayGatherer>(*state.outgoing, hemisphere);
+        case GatherRoad::kRaster:
+            return std::make_unique<RasterGatherer>(state.pool, state.gpu, hemisphere);
     }
-    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) {
-        return rays_ ? rays_->gather(sites) : raster_->gather(sites);
-    }
-    GatherSeconds seconds() const { return rays_ ? rays_->seconds() : raster_->seconds(); }
-
-  private:
-    std::optional<RayGatherer> rays_;
-    std::optional<RasterGatherer> raster_;
-};
+    throw std::logic_error("unknown road");
+}
 
 // How wrong the image is: by the records, and by probes, which cast rays whatever road the records
 // took. Probes cost a twentieth of the records, up to what is enough.
@@ -127,10 +117,10 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     constexpr size_t kRecordsPerProbe = 40;
     constexpr size_t kFewest = 32;
     constexpr size_t kEnough = 400;
-    const NeighbourErrors errors = neighbourErrors(view.gbuffer, view.classes, view.lobes, cache,
-                                                   view.field.pixels, weight, indirect);
+    const NeighbourErrors errors =
+        neighbourErrors(view.receivers, cache, view.field.pixels, weight, indirect);
     std::vector<Probe> probes = chooseProbes(
-        errors, view.classes, indirect,
+        errors, view.receivers, indirect,
         static_cast<int>(std::clamp(cache.records.size() / kRecordsPerProbe, kFewest, kEnough)));
     HemisphereParams seen = hemisphere;
     seen.kind = HemisphereKind::kHemicube;
@@ -138,11 +128,9 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
     RayGatherer gatherer(*state.outgoing, seen);
-    gatherProbes(
-        state.scene, view.gbuffer, view.classes, view.field,
-        [&](std::span<const RecordSite> sites) { return gatherer.gather(sites); }, *state.outgoing,
-        params.specular, probes);
-    return estimateError(errors, probes, view.gbuffer, view.classes, indirect);
+    gatherProbes(state.scene, view.receivers, view.field, gatherer, *state.outgoing,
+                 params.specular, probes);
+    return estimateError(errors, probes, view.receivers, indirect);
 }
 
 // Along a crease each pixel gets a record of its own, however coarse the others are, until records
@@ -151,19 +139,39 @@ float leastReach(float accuracy) {
     return std::max(PlacementParams{}.min_pixels, std::sqrt(accuracy));
 }
 
-struct OutOfTime {};
-
 // What decides what a pass renders: its accuracy, and when it is given up.
 struct Pass {
     float accuracy = 0;
     double seconds = kInfinity;  // for gathering; OutOfTime is thrown where that is not enough
 };
 
+// Places records, and adds what that took to the stages' seconds, also where it takes too long.
+Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& how,
+                     const HemisphereParams& hemisphere, bool quiet, double at_most,
+                     StageSeconds& seconds) {
+    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, hemisphere);
+    const Timer timer;
+    const auto account = [&] {
+        const GatherSeconds gathered = gatherer->seconds();
+        seconds.gather += gathered.see;
+        seconds.project += gathered.project;
+        seconds.placement += timer.seconds() - gathered.see - gathered.project;
+    };
+    try {
+        Placement placement =
+            placeRecords(state.scene, view.receivers, how, *gatherer, view.field, quiet, at_most);
+        account();
+        return placement;
+    } catch (const OutOfTime&) {
+        account();
+        throw;
+    }
+}
+
 // placement, which gathers and projects -> splat -> compose. A pass that is given up has changed
 // nothing of `result` but times.
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
                 RenderResult& result) {
-    const bool irradiance_only = params.method == Method::kIrradiance;
     PlacementParams how = params.placement;
     how.accuracy = pass.accuracy;
     if (how.min_pixels == 0.0f) {
@@ -185,48 +193,29 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
         view.field = {};
         view.gather_size = hemisphere.size;
     }
-    PassGatherer gatherer(state, hemisphere);
-    const Timer timer;
-    const auto account = [&] {
-        const GatherSeconds gathered = gatherer.seconds();
-        seconds.gather += gathered.see;
-        seconds.project += gathered.project;
-        seconds.placement += timer.seconds() - gathered.see - gathered.project;
-    };
-    const auto gather = [&](std::span<const RecordSite> sites) {
-        if (timer.seconds() > pass.seconds) {
-            account();
-            throw OutOfTime{};
-        }
-        return gatherer.gather(sites);
-    };
-    const Placement placement = placeRecords(state.scene, view.gbuffer, view.classes, view.lobes,
-                                             how, gather, params.quiet, view.field);
-    account();
+    const Placement placement =
+        placeTimed(state, view, how, hemisphere, params.quiet, pass.seconds, seconds);
 
     const Timer splat_timer;
-    SplatBuffer splat = splatGpu(state.pool, view.gbuffer, view.classes, view.lobes,
-                                 placement.cache, how.servingWeight());
+    SplatBuffer splat = splatGpu(state.pool, view.receivers, placement.cache, how.servingWeight());
     state.pool.runOnFirst(dropTargets);
     seconds.splat += splat_timer.seconds();
 
     const Timer compose_timer;
     Image<vec3> specular;  // of pixels that rays see; none in many scenes
     if (!view.specular.pixels.empty()) {
-        specular = reflectSpecular(view.gbuffer, view.classes, view.specular,
-                                   cachedSpecular(view.gbuffer, view.classes, view.lobes, splat));
+        specular =
+            reflectSpecular(view.receivers, view.specular, cachedSpecular(view.receivers, splat));
     }
     const ComposeCounts counts =
-        compose(view.gbuffer, view.classes, view.lobes, splat, specular,
-                {.irradiance_only = irradiance_only, .geometry = params.all_layers}, result.frame);
+        compose(view.receivers, splat, specular, params.all_layers, result.frame);
     splat = {};
     specular = {};
-    const ErrorEstimate estimate =
-        judge(state, params, view, placement.cache, how.servingWeight(), hemisphere,
-              irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
+    const ErrorEstimate estimate = judge(
+        state, params, view, placement.cache, how.servingWeight(), hemisphere,
+        view.receivers.irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
     if (params.all_layers) {
-        result.frame.records =
-            countRecords(view.gbuffer, view.classes, placement.cache, how.servingWeight());
+        result.frame.records = countRecords(view.receivers, placement.cache, how.servingWeight());
     }
     seconds.compose += compose_timer.seconds();
 
@@ -325,11 +314,12 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     }
     countPixels(result);
     stats.gl_renderer = state.pool.renderer();
-    const double geometry = std::max(view.classes.geometry, 1);
-    stats.diffuse_share = view.classes.diffuse / geometry;
-    stats.corrected_share = view.classes.corrected / geometry;
-    stats.too_glossy_share = view.classes.too_glossy / geometry;
-    stats.sh_order = nameOrders(state.scene, view.classes.material_orders);
+    const ReceiverCounts& counts = view.receivers.counts;
+    const double seen = std::max(counts.seen, 1);
+    stats.diffuse_share = counts.diffuse / seen;
+    stats.corrected_share = counts.corrected / seen;
+    stats.too_glossy_share = counts.too_glossy / seen;
+    stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
     return result;
 }
 

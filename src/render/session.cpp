@@ -63,18 +63,13 @@ SceneState::~SceneState() {
     });
 }
 
-// rays -> G-buffer -> classes -> rays where the cache cannot follow. Direct light comes from rays
+// rays -> G-buffer -> receivers -> rays where the cache cannot follow. Direct light comes from rays
 // where records use rays, else from shadow maps.
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds) {
-    {
-        const StageTimer timer(seconds.gbuffer);
+    GBuffer gbuffer = timed(seconds.gbuffer, [&] {
         const Camera camera = findCamera(state.scene, params.camera);
-        gbuffer = renderGBuffer(state.tracer, camera, params.width, params.height);
-        classes = classifyPixels(state.scene, gbuffer, params.sh_order,
-                                 params.method == Method::kIrradiance);
-        lobes = buildLobes(gbuffer, classes);
-        checkSplat(state.pool, lobes);
-    }
+        return renderGBuffer(state.tracer, camera, params.width, params.height);
+    });
     state.prepareFor(nearBoxes(state.scene, gbuffer), seconds);
     {
         const StageTimer timer(seconds.shadow);
@@ -84,9 +79,14 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
             lightGBuffer(state.pool, state.gpu, gbuffer);
         }
     }
-    if (classes.anyByRays()) {
+    receivers = timed(seconds.gbuffer, [&] {
+        return receiversOf(state.scene, std::move(gbuffer), params.sh_order,
+                           params.method == Method::kIrradiance);
+    });
+    checkSplat(state.pool, receivers);
+    if (receivers.anyByRays()) {
         const StageTimer timer(seconds.gather);
-        specular = traceSpecular(*state.outgoing, gbuffer, classes, params.specular);
+        specular = traceSpecular(*state.outgoing, receivers, params.specular);
     }
 }
 

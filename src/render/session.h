@@ -8,7 +8,6 @@
 #include "cache/specular_rays.h"
 #include "gl/worker_pool.h"
 #include "light/scattered_once.h"
-#include "raster/gbuffer.h"
 #include "raster/gpu_scene.h"
 #include "rays/tracer.h"
 #include "render/render.h"
@@ -33,12 +32,10 @@ struct SceneState {
     void prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds);
 };
 
-/// Made of a camera once: what its pixels see, what of that records are not asked for, and the
-/// records gathered so far.
+/// Made of a camera once: its pixels as receivers, what of their light records are not asked for,
+/// and the records gathered so far.
 struct ViewState {
-    GBuffer gbuffer;
-    PixelClasses classes;
-    PixelLobes lobes;
+    Receivers receivers;
     Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
     RecordField field;
     int gather_size = 0;  // that these were gathered with, or more

@@ -5,22 +5,20 @@
 
 #include <vector>
 
-#include "cache/classes.h"
-#include "cache/lobes.h"
-#include "cache/record.h"
 #include "gl/worker_pool.h"
 #include "image/frame.h"
-#include "raster/gbuffer.h"
+#include "receivers/receivers.h"
+#include "record/record.h"
 
 namespace sheen {
 
 /// Pixels that splatGpu() draws at a time: 100 bytes each, and those of their lobes.
 constexpr int kBandPixels = 1 << 21;
 
-/// Sums over the records.
+/// Sums over the records, an image of receivers.
 struct SplatBuffer {
     Image<vec4> irradiance;  ///< weight * irradiance; w: sum of weights
-    /// weight * lobe convolved, before PixelLobes::scale; w: unused. Empty where no pixel has a
+    /// weight * lobe convolved, before Lobes::scale; w: unused. Empty where no pixel has a
     /// lobe.
     Image<vec4> specular;
     /// Over the records on the pixel's own material: weight * recordMissed(), sum of weights; empty
@@ -30,26 +28,24 @@ struct SplatBuffer {
 
 /// Environment error where OpenGL's limits are too small for splatGpu() with these lobes: to be
 /// known before anything is gathered.
-void checkSplat(gl::WorkerPool& pool, const PixelLobes& lobes);
+void checkSplat(gl::WorkerPool& pool, const Receivers& receivers);
 
 /// On the GPU: one quad a record, floating-point blending. checkSplat() must have passed. So many
 /// pixels are drawn at a time, in whole rows: what OpenGL keeps does not grow beyond theirs, and
 /// the sums do not depend on it.
-SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelClasses& classes,
-                     const PixelLobes& lobes, const RecordCache& cache, const WeightParams& weight,
-                     int band_pixels = kBandPixels);
+SplatBuffer splatGpu(gl::WorkerPool& pool, const Receivers& receivers, const RecordCache& cache,
+                     const WeightParams& weight, int band_pixels = kBandPixels);
 
 /// The same on the CPU, slowly: what splatGpu() is tested against.
-SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                     const RecordCache& cache, const WeightParams& weight);
+SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
+                     const WeightParams& weight);
 
 /// What the lobes of pixels that rays correct reflect by the records alone; black elsewhere.
-Image<vec3> cachedSpecular(const GBuffer& gbuffer, const PixelClasses& classes,
-                           const PixelLobes& lobes, const SplatBuffer& splat);
+Image<vec3> cachedSpecular(const Receivers& receivers, const SplatBuffer& splat);
 
 /// How many records serve each pixel.
-Image<float> countRecords(const GBuffer& gbuffer, const PixelClasses& classes,
-                          const RecordCache& cache, const WeightParams& weight);
+Image<float> countRecords(const Receivers& receivers, const RecordCache& cache,
+                          const WeightParams& weight);
 
 /// What compose() found in the images.
 struct ComposeCounts {
@@ -57,15 +53,10 @@ struct ComposeCounts {
     int negative = 0;   ///< pixels with a channel below zero, clamped
 };
 
-struct ComposeParams {
-    bool irradiance_only = false;  ///< the diffuse part alone, on all surfaces
-    bool geometry = true;  ///< also fill the layers of what the camera sees: 44 bytes a pixel
-};
-
 /// Divides by the weights, applies the reflectances and fills the frame's layers. `by_rays`: what
-/// reflectSpecular() found; empty where no pixel is by rays.
-ComposeCounts compose(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                      const SplatBuffer& splat, const Image<vec3>& by_rays,
-                      const ComposeParams& params, Frame& frame);
+/// reflectSpecular() found; empty where no pixel is by rays. `geometry`: also fills the layers of
+/// what the camera sees, 44 bytes a pixel.
+ComposeCounts compose(const Receivers& receivers, const SplatBuffer& splat,
+                      const Image<vec3>& by_rays, bool geometry, Frame& frame);
 
 }  // namespace sheen

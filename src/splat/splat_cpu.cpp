@@ -1,38 +1,36 @@
-#include "cache/served.h"
 #include "core/parallel.h"
+#include "receivers/served.h"
 #include "splat/splat.h"
 
 namespace sheen {
-SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-                     const RecordCache& cache, const WeightParams& weight) {
-    SplatBuffer result{Image<vec4>(gbuffer.width, gbuffer.height),
-                       Image<vec4>(gbuffer.width, gbuffer.height),
-                       Image<vec4>(gbuffer.width, gbuffer.height)};
-    parallelFor(gbuffer.height, [&](int y) {
-        for (int x = 0; x < gbuffer.width; ++x) {
-            const int order = classes.orders.at(x, y);
-            const vec4 position = gbuffer.position.at(x, y);
-            const vec3 p(position);
-            const vec3 n(gbuffer.normal.at(x, y));
-            const shared::ShVector lobe = order > shared::DIFFUSE_ORDER
-                                              ? lobes.at(y * gbuffer.width + x, order)
-                                              : shared::ShVector{};
+
+SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
+                     const WeightParams& weight) {
+    const Image<vec4> none(receivers.image.width, receivers.image.height);
+    SplatBuffer result{none, none, none};
+    parallelFor(receivers.image.height, [&](int y) {
+        for (int x = 0; x < receivers.image.width; ++x) {
+            const size_t i = receivers.image.index(x, y);
+            const int order = receivers.orders[i];
+            const vec3& p = receivers.positions[i];
+            const shared::ShVector lobe =
+                order > shared::DIFFUSE_ORDER ? receivers.lobes.at(i, order) : shared::ShVector{};
             for (const Record& k : cache.records) {
                 if (!serves(k.order, order)) {
                     continue;
                 }
-                const float w = shared::recordWeight(weight, k.position, k.normal, k.radius, p, n,
-                                                     position.w * gbuffer.pixel_angle);
+                const float w = weightAt(receivers, i, k, weight);
                 if (w <= 0.0f) {
                     continue;
                 }
-                result.irradiance.at(x, y) += vec4(w * shared::recordIrradiance(k, p, n), w);
-                if (static_cast<int>(k.material) == classes.materials.at(x, y)) {
-                    result.missed.at(x, y) += vec4(w * shared::recordMissed(k), w);
+                result.irradiance.pixels[i] +=
+                    vec4(w * shared::recordIrradiance(k, p, receivers.normals[i]), w);
+                if (static_cast<int>(k.material) == receivers.materials[i]) {
+                    result.missed.pixels[i] += vec4(w * shared::recordMissed(k), w);
                 }
                 if (order > shared::DIFFUSE_ORDER) {
                     const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
-                    result.specular.at(x, y) +=
+                    result.specular.pixels[i] +=
                         vec4(w * convolveRecord(k, sh, lobe.c, order, p), 0.0f);
                 }
             }
@@ -41,12 +39,11 @@ SplatBuffer splatCpu(const GBuffer& gbuffer, const PixelClasses& classes, const 
     return result;
 }
 
-Image<float> countRecords(const GBuffer& gbuffer, const PixelClasses& classes,
-                          const RecordCache& cache, const WeightParams& weight) {
-    Image<float> counts(gbuffer.width, gbuffer.height);
+Image<float> countRecords(const Receivers& receivers, const RecordCache& cache,
+                          const WeightParams& weight) {
+    Image<float> counts(receivers.image.width, receivers.image.height);
     for (const Record& k : cache.records) {
-        forServed(gbuffer, classes, k, weight,
-                  [&](size_t pixel, float) { counts.pixels[pixel] += 1.0f; });
+        forServed(receivers, k, weight, [&](size_t i, float) { counts.pixels[i] += 1.0f; });
     }
     return counts;
 }

@@ -7,10 +7,10 @@
 #include <optional>
 #include <span>
 
-#include "cache/served.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "gl/program.h"
+#include "receivers/served.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -115,9 +115,10 @@ struct Band {
     int first_step = 0;
 };
 
-std::vector<Band> makeBands(const PixelLobes& lobes, int band_pixels) {
-    const int width = lobes.first.width;
-    const int height = lobes.first.height;
+std::vector<Band> makeBands(const Receivers& receivers, int band_pixels) {
+    const Lobes& lobes = receivers.lobes;
+    const int width = receivers.image.width;
+    const int height = receivers.image.height;
     const int rows = std::clamp(band_pixels / std::max(width, 1), 1, std::max(height, 1));
     std::vector<Band> bands;
     for (int y = 0; y < height; y += rows) {
@@ -125,7 +126,7 @@ std::vector<Band> makeBands(const PixelLobes& lobes, int band_pixels) {
     }
     size_t end = lobes.steps.size();
     for (auto band = bands.rbegin(); band != bands.rend(); ++band) {
-        const auto from = lobes.first.pixels.begin() + std::ptrdiff_t{band->first} * width;
+        const auto from = lobes.first.begin() + std::ptrdiff_t{band->first} * width;
         const auto to = from + std::ptrdiff_t{band->rows} * width;
         const auto glossy = std::find_if(from, to, [](int first) { return first >= 0; });
         const size_t begin = glossy == to ? end : static_cast<size_t>(*glossy);
@@ -136,9 +137,9 @@ std::vector<Band> makeBands(const PixelLobes& lobes, int band_pixels) {
     return bands;
 }
 
-Image<float> pixelDepths(const PixelClasses& classes, const Band& band, int least_order) {
-    Image<float> depths(classes.orders.width, band.rows, 1.0f);
-    const int* orders = &classes.orders.at(0, band.first);
+Image<float> pixelDepths(const Receivers& receivers, const Band& band, int least_order) {
+    Image<float> depths(receivers.image.width, band.rows, 1.0f);
+    const int8_t* orders = &receivers.orders[receivers.image.index(0, band.first)];
     for (size_t i = 0; i < depths.pixels.size(); ++i) {
         if (orders[i] >= least_order) {
             depths.pixels[i] = classDepth(static_cast<float>(orders[i]) - 0.5f);
@@ -148,7 +149,7 @@ Image<float> pixelDepths(const PixelClasses& classes, const Band& band, int leas
 }
 
 // The pixels that records may reach.
-std::vector<PixelRect> reachedByAll(const GBuffer& gbuffer, const RecordCache& cache,
+std::vector<PixelRect> reachedByAll(const Receivers& receivers, const RecordCache& cache,
                                     const WeightParams& weight) {
     constexpr int kGrain = 64;
     std::vector<PixelRect> reached(cache.records.size());
@@ -156,7 +157,7 @@ std::vector<PixelRect> reachedByAll(const GBuffer& gbuffer, const RecordCache& c
         static_cast<int>(reached.size()),
         [&](int i) {
             const auto k = static_cast<size_t>(i);
-            reached[k] = reachedBounds(gbuffer, cache.records[k], weight);
+            reached[k] = reachedBounds(receivers, cache.records[k], weight);
         },
         kGrain);
     return reached;
@@ -188,17 +189,17 @@ Quads makeQuads(const Pass& pass, const RecordCache& cache, const std::vector<Pi
     return quads;
 }
 
-// Normals beside the texels at which lobes begin.
-Image<uvec4> packNormals(const GBuffer& gbuffer, const PixelLobes& lobes, const Band& band) {
-    Image<uvec4> packed(gbuffer.width, band.rows);
+// What packed(receiver) makes of those of a band.
+template <class Packed, class F>
+Image<Packed> pack(const PixelGrid& image, const Band& band, const F& packed) {
+    Image<Packed> result(image.width, band.rows);
     parallelFor(band.rows, [&](int row) {
-        const int y = band.first + row;
-        for (int x = 0; x < gbuffer.width; ++x) {
-            const int lobe = std::max(lobes.first.at(x, y) - band.first_step, 0) / 8;
-            packed.at(x, row) = uvec4(glm::floatBitsToUint(vec3(gbuffer.normal.at(x, y))), lobe);
+        const size_t first = image.index(0, band.first + row);
+        for (int x = 0; x < image.width; ++x) {
+            result.at(x, row) = packed(first + static_cast<size_t>(x));
         }
     });
-    return packed;
+    return result;
 }
 
 // What fragments read of the pixels in a band.
@@ -206,24 +207,33 @@ struct Source {
     gl::Texture positions, normals, lobes, materials;
     gl::Buffer lobe_buffer;
 
-    Source(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& pixel_lobes,
-           const Band& band)
-        : positions(gl::makeTexture2d(GL_RGBA32F, gbuffer.width, band.rows)),
-          normals(gl::makeTexture2d(GL_RGBA32UI, gbuffer.width, band.rows)),
-          materials(gl::makeTexture2d(GL_R32I, gbuffer.width, band.rows)),
+    Source(const Receivers& receivers, const Band& band)
+        : positions(gl::makeTexture2d(GL_RGBA32F, receivers.image.width, band.rows)),
+          normals(gl::makeTexture2d(GL_RGBA32UI, receivers.image.width, band.rows)),
+          materials(gl::makeTexture2d(GL_R32I, receivers.image.width, band.rows)),
           lobe_buffer(gl::makeBuffer(band.steps)) {
         lobes = gl::makeBufferTexture(GL_RGBA32I, lobe_buffer);
         const auto upload = [&](GLuint unit, const gl::Texture& texture, GLenum format,
                                 GLenum layout, GLenum type, const void* data) {
-            gl::glTextureSubImage2D(texture.name(), 0, 0, 0, gbuffer.width, band.rows, layout, type,
-                                    data);
+            gl::glTextureSubImage2D(texture.name(), 0, 0, 0, receivers.image.width, band.rows,
+                                    layout, type, data);
             bind(unit, texture, format);
         };
-        upload(0, positions, GL_RGBA32F, GL_RGBA, GL_FLOAT, &gbuffer.position.at(0, band.first));
+        const PixelGrid& image = receivers.image;
+        const auto place = [&](size_t i) {
+            return vec4(receivers.positions[i], receivers.footprints[i]);
+        };
+        upload(0, positions, GL_RGBA32F, GL_RGBA, GL_FLOAT,
+               pack<vec4>(image, band, place).pixels.data());
+        const auto normal = [&](size_t i) {
+            const int lobe = std::max(receivers.lobes.first[i] - band.first_step, 0) / 8;
+            return uvec4(glm::floatBitsToUint(receivers.normals[i]), lobe);
+        };
         upload(1, normals, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
-               packNormals(gbuffer, pixel_lobes, band).pixels.data());
+               pack<uvec4>(image, band, normal).pixels.data());
         bind(2, lobes, GL_RGBA32I);
-        upload(3, materials, GL_R32I, GL_RED_INTEGER, GL_INT, &classes.materials.at(0, band.first));
+        upload(3, materials, GL_R32I, GL_RED_INTEGER, GL_INT,
+               &receivers.materials[image.index(0, band.first)]);
     }
 
   private:
@@ -279,20 +289,17 @@ void drawPass(const gl::Program& program, const Image<float>& depths, const Quad
 // Draws all passes onto a band after the other.
 class Splatter {
   public:
-    Splatter(const GBuffer& gbuffer, const PixelClasses& classes, const PixelLobes& lobes,
-             const RecordCache& cache, const WeightParams& weight)
-        : gbuffer_(gbuffer),
-          classes_(classes),
-          lobes_(lobes),
+    Splatter(const Receivers& receivers, const RecordCache& cache, const WeightParams& weight)
+        : receivers_(receivers),
           cache_(cache),
           weight_(weight),
           missed_(
               std::any_of(cache.records.begin(), cache.records.end(),
                           [](const Record& k) { return shared::recordMissed(k) != vec3(0.0f); })),
           passes_{irradiancePass(missed_)},
-          reached_(reachedByAll(gbuffer, cache, weight)) {
-        const std::vector<int>& orders = classes.orders.pixels;
-        const int greatest_order = *std::max_element(orders.begin(), orders.end());
+          reached_(reachedByAll(receivers, cache, weight)) {
+        const int greatest_order =
+            *std::max_element(receivers.orders.begin(), receivers.orders.end());
         for (int i = 0;
              greatest_order > shared::DIFFUSE_ORDER && i < shared::lobeGroups(greatest_order);
              ++i) {
@@ -302,14 +309,15 @@ class Splatter {
 
     SplatBuffer run(int band_pixels) {
         const auto whole = [&](bool wanted) {
-            return wanted ? Image<vec4>(gbuffer_.width, gbuffer_.height) : Image<vec4>();
+            return wanted ? Image<vec4>(receivers_.image.width, receivers_.image.height)
+                          : Image<vec4>();
         };
         SplatBuffer result{whole(true), whole(passes_.size() > 1), whole(missed_)};
         gl::glEnable(GL_BLEND);
         gl::glBlendFunc(GL_ONE, GL_ONE);
         gl::glEnable(GL_DEPTH_TEST);
         gl::glDepthMask(GL_FALSE);
-        for (const Band& band : makeBands(lobes_, band_pixels)) {
+        for (const Band& band : makeBands(receivers_, band_pixels)) {
             draw(band, result);
         }
         gl::glDepthMask(GL_TRUE);
@@ -320,19 +328,19 @@ class Splatter {
 
   private:
     void draw(const Band& band, SplatBuffer& result) {
-        const Source source(gbuffer_, classes_, lobes_, band);
-        const Target irradiance(gbuffer_.width, band.rows, missed_ ? 2 : 1);
+        const ivec2 size(receivers_.image.width, receivers_.image.height);
+        const Source source(receivers_, band);
+        const Target irradiance(size.x, band.rows, missed_ ? 2 : 1);
         std::optional<Target> specular;
         if (passes_.size() > 1) {
-            specular.emplace(gbuffer_.width, band.rows, 1);
+            specular.emplace(size.x, band.rows, 1);
         }
         const gl::VertexArray empty = gl::makeVertexArray();
         gl::glBindVertexArray(empty.name());
-        gl::glViewport(0, -band.first, gbuffer_.width, gbuffer_.height);
+        gl::glViewport(0, -band.first, size.x, size.y);
         for (const Pass& pass : passes_) {
-            const Quads quads =
-                makeQuads(pass, cache_, reached_, band, {gbuffer_.width, gbuffer_.height});
-            drawPass(programOf(pass), pixelDepths(classes_, band, pass.least_order), quads,
+            const Quads quads = makeQuads(pass, cache_, reached_, band, size);
+            drawPass(programOf(pass), pixelDepths(receivers_, band, pass.least_order), quads,
                      pass.least_order == shared::DIFFUSE_ORDER ? irradiance : *specular);
         }
         irradiance.read(0, band, result.irradiance);
@@ -350,17 +358,14 @@ class Splatter {
                                   [&](const auto& known) { return known.first == pass.defines; });
         if (found == programs_.end()) {
             gl::Program program("splat/quad.vert", pass.fragment, pass.defines);
-            program.set("weight", vec4(weight_.accuracy, weight_.normal_weight, weight_.slab,
-                                       gbuffer_.pixel_angle));
+            program.set("weight", vec3(weight_.accuracy, weight_.normal_weight, weight_.slab));
             programs_.emplace_back(pass.defines, std::move(program));
             found = std::prev(programs_.end());
         }
         return found->second;
     }
 
-    const GBuffer& gbuffer_;
-    const PixelClasses& classes_;
-    const PixelLobes& lobes_;
+    const Receivers& receivers_;
     const RecordCache& cache_;
     const WeightParams& weight_;
     const bool missed_;
@@ -371,7 +376,7 @@ class Splatter {
 
 }  // namespace
 
-void checkSplat(gl::WorkerPool& pool, const PixelLobes& lobes) {
+void checkSplat(gl::WorkerPool& pool, const Receivers& receivers) {
     pool.runOnFirst([&] {
         const auto check_components = [](GLenum what, int needed) {
             GLint components = 0;
@@ -386,21 +391,19 @@ void checkSplat(gl::WorkerPool& pool, const PixelLobes& lobes) {
         check_components(GL_MAX_VARYING_COMPONENTS, 4 * kVaryings);
         check_components(GL_MAX_FRAGMENT_INPUT_COMPONENTS, 4 * kVaryings);
         check_components(GL_MAX_VERTEX_OUTPUT_COMPONENTS, 4 * (kVaryings + 1));  // gl_Position
-        for (const Band& band : makeBands(lobes, kBandPixels)) {
+        for (const Band& band : makeBands(receivers, kBandPixels)) {
             checkTexels(band.steps.size_bytes(), "the lobes of glossy pixels");
         }
     });
 }
 
-SplatBuffer splatGpu(gl::WorkerPool& pool, const GBuffer& gbuffer, const PixelClasses& classes,
-                     const PixelLobes& lobes, const RecordCache& cache, const WeightParams& weight,
-                     int band_pixels) {
+SplatBuffer splatGpu(gl::WorkerPool& pool, const Receivers& receivers, const RecordCache& cache,
+                     const WeightParams& weight, int band_pixels) {
     if (cache.records.empty()) {
-        return {Image<vec4>(gbuffer.width, gbuffer.height), {}, {}};
+        return {Image<vec4>(receivers.image.width, receivers.image.height), {}, {}};
     }
     SplatBuffer result;
-    pool.runOnFirst(
-        [&] { result = Splatter(gbuffer, classes, lobes, cache, weight).run(band_pixels); });
+    pool.runOnFirst([&] { result = Splatter(receivers, cache, weight).run(band_pixels); });
     return result;
 }
 

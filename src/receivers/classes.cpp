@@ -1,10 +1,9 @@
-#include "cache/classes.h"
+#include "receivers/classes.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
-#include "cache/record.h"
 #include "core/parallel.h"
 #include "scene/brdf_albedo.h"
 #include "sh/brdf_sh.h"
@@ -12,7 +11,7 @@
 namespace sheen {
 namespace {
 
-// Predictions over view cosine and roughness, looked up per pixel.
+// Predictions over view cosine and roughness, looked up per receiver.
 class PredictionTable {
   public:
     PredictionTable() {
@@ -112,59 +111,59 @@ int materialOrder(const Scene& scene, const Material& material, int sh_order) {
     return materialOrder(params, sh_order);
 }
 
-PixelClasses classifyPixels(const Scene& scene, const GBuffer& gbuffer, int sh_order,
-                            bool irradiance_only) {
-    PixelClasses classes;
-    classes.orders = Image<int>(gbuffer.width, gbuffer.height, kNoOrder);
-    classes.by_rays = Image<uint8_t>(gbuffer.width, gbuffer.height);
-    classes.materials = Image<int>(gbuffer.width, gbuffer.height, kNoMaterial);
-    classes.irradiance_only = irradiance_only;
+void classify(const Scene& scene, int sh_order, bool irradiance_only, Receivers& receivers) {
+    const size_t all = receivers.positions.size();
+    receivers.orders.assign(all, kNoOrder);
+    receivers.by_rays.assign(all, 0);
+    receivers.materials.assign(all, kNoMaterial);
+    receivers.irradiance_only = irradiance_only;
+    receivers.material_orders.clear();
     for (const Material& material : scene.materials) {
-        classes.material_orders.push_back(
+        receivers.material_orders.push_back(
             irradiance_only ? shared::DIFFUSE_ORDER : materialOrder(scene, material, sh_order));
     }
-    std::atomic<int> corrected_count = 0;
-    std::atomic<int> too_glossy_count = 0;
-    parallelFor(gbuffer.height, [&](int y) {
-        for (int x = 0; x < gbuffer.width; ++x) {
-            const int i = y * gbuffer.width + x;
-            if (!gbuffer.seen(i)) {
-                continue;
+    std::atomic<int> corrected = 0;
+    std::atomic<int> too_glossy = 0;
+    constexpr int kGrain = 256;
+    parallelFor(
+        receivers.count(),
+        [&](int k) {
+            const auto i = static_cast<size_t>(k);
+            if (!receivers.seen(i)) {
+                return;
             }
-            int& order = classes.orders.at(x, y);
-            const uint32_t material = scene.materials_of[gbuffer.primitive.at(x, y)];
-            classes.materials.at(x, y) = static_cast<int>(material);
-            order = classes.material_orders[material];
+            const uint32_t material = scene.materials_of[receivers.triangles[i]];
+            receivers.materials[i] = static_cast<int>(material);
+            const int order = receivers.material_orders[material];
+            receivers.orders[i] = static_cast<int8_t>(order);
             if (order == shared::DIFFUSE_ORDER) {
-                continue;
+                return;
             }
-            const vec4 normal = gbuffer.normal.at(x, y);
-            const vec3 wo = glm::normalize(gbuffer.view.origin - vec3(gbuffer.position.at(x, y)));
-            const float NoV = glm::dot(vec3(normal), wo);
-            const vec4 diffuse = gbuffer.diffuse.at(x, y);
-            const float share = specularShare(vec3(diffuse), gbuffer.f0.at(x, y), diffuse.w,
-                                              brdfAlbedo(NoV, normal.w));
-            const LobePrediction& p = predictions().at(NoV, normal.w);
+            const float NoV = glm::dot(receivers.normals[i], receivers.towardViewer(i));
+            const float roughness = receivers.roughness[i];
+            const float share = specularShare(receivers.diffuse[i], receivers.f0[i],
+                                              receivers.f90[i], brdfAlbedo(NoV, roughness));
+            const LobePrediction& p = predictions().at(NoV, roughness);
             if (share * p.as_diffuse < kDiffuseBudget) {
-                order = shared::DIFFUSE_ORDER;
+                receivers.orders[i] = shared::DIFFUSE_ORDER;
             } else if (share * p.truncated[order] > kTruncationBudget) {
-                const bool too_glossy = shared::alphaFromRoughness(normal.w) < kTooGlossy;
-                ++(too_glossy ? too_glossy_count : corrected_count);
+                const bool glossy = receivers.alpha(i) < kTooGlossy;
+                ++(glossy ? too_glossy : corrected);
                 if (sh_order == 0) {
-                    classes.by_rays.at(x, y) = 1;
-                    order = too_glossy ? shared::DIFFUSE_ORDER : order;
+                    receivers.by_rays[i] = 1;
+                    receivers.orders[i] =
+                        glossy ? static_cast<int8_t>(shared::DIFFUSE_ORDER) : receivers.orders[i];
                 }
             }
-        }
-    });
-    classes.corrected = corrected_count;
-    classes.too_glossy = too_glossy_count;
-    for (size_t i = 0; i < classes.orders.pixels.size(); ++i) {
-        const int order = classes.orders.pixels[i];
-        classes.geometry += order != kNoOrder ? 1 : 0;
-        classes.diffuse += order == shared::DIFFUSE_ORDER && classes.by_rays.pixels[i] == 0 ? 1 : 0;
+        },
+        kGrain);
+    receivers.counts = {.corrected = corrected, .too_glossy = too_glossy};
+    for (size_t i = 0; i < all; ++i) {
+        const int order = receivers.orders[i];
+        receivers.counts.seen += order != kNoOrder ? 1 : 0;
+        receivers.counts.diffuse +=
+            order == shared::DIFFUSE_ORDER && receivers.by_rays[i] == 0 ? 1 : 0;
     }
-    return classes;
 }
 
 }  // namespace sheen

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "cache/gather.h"
 #include "core/error.h"
+#include "gather/integrate.h"
 #include "light/outgoing.h"
 
 namespace sheen {
@@ -20,7 +20,7 @@ int sideForReach(int usual, float reach);
 
 /// Gathers on all threads; the results depend on the sites alone. The light must outlive
 /// it.
-class RayGatherer {
+class RayGatherer : public Gatherer {
   public:
     /// A hemicube alone: rays go through a face's texels, and a border's stand for what lies
     /// beyond.
@@ -29,11 +29,8 @@ class RayGatherer {
         SHEEN_CHECK(params.kind == HemisphereKind::kHemicube);
     }
 
-    /// One result a site, in order.
-    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites);
+    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override;
 
-    /// Time spent so far.
-    GatherSeconds seconds() const { return seconds_; }
     /// Rays cast so far from records, those from what they met to the lights not counted.
     int64_t rays() const { return rays_cast_; }
 
@@ -55,7 +52,6 @@ class RayGatherer {
     HemisphereParams params_;
     std::map<int, Resolution> resolutions_;  // by texels along the side
     int64_t rays_cast_ = 0;
-    GatherSeconds seconds_;
 };
 
 }  // namespace sheen

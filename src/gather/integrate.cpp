@@ -1,8 +1,9 @@
 // From the texels of a hemisphere to a record.
+#include "gather/integrate.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "cache/gather.h"
 #include "core/error.h"
 #include "scene/shared.h"
 #include "sh/projection.h"

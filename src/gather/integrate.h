@@ -1,26 +1,15 @@
-// Gathering: what light arrives at a record. What its hemisphere sees comes from the raster or from
-// rays (raster_gather.h, ray_gather.h); this turns it into a record.
+// What a record's hemisphere sees, turned into the record.
 // Based on: [GKB09, 8.4], [WH92] for the gradients.
 #pragma once
 
-#include <functional>
 #include <span>
 #include <vector>
 
-#include "cache/record.h"
+#include "gather/gatherer.h"
 #include "hemisphere/hemisphere.h"
 #include "sh/sh.h"
 
 namespace sheen {
-
-/// Gathers a span of sites, one result each, in order.
-using GatherFunction = std::function<std::vector<GatheredRecord>(std::span<const RecordSite>)>;
-
-/// Wall-clock time of a gather.
-struct GatherSeconds {
-    double see = 0;      ///< finding what the hemispheres see
-    double project = 0;  ///< sums, gradients, spherical harmonics
-};
 
 /// Rows of a projectionMatrix() [coefficient][texel]: those that a record's radiance goes through,
 /// and those for its gradients, a fit of their own with fewer bands. (The first bands of the larger

@@ -6,23 +6,19 @@
 #include <span>
 #include <vector>
 
-#include "cache/gather.h"
+#include "gather/integrate.h"
 #include "raster/gpu_scene.h"
 
 namespace sheen {
 
 /// Gathers on all workers of a pool at once; the results do not depend on how many there are. The
 /// GPU scene needs its shadow maps.
-class RasterGatherer {
+class RasterGatherer : public Gatherer {
   public:
     RasterGatherer(gl::WorkerPool& pool, const GpuScene& gpu, const HemisphereParams& params);
-    ~RasterGatherer();
+    ~RasterGatherer() override;
 
-    /// One result a site, in order.
-    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites);
-
-    /// Time spent so far.
-    GatherSeconds seconds() const { return seconds_; }
+    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override;
 
   private:
     struct Worker;
@@ -41,7 +37,6 @@ class RasterGatherer {
     std::vector<std::unique_ptr<Worker>> workers_;
     std::vector<Drawn> drawn_;      // a batch
     std::vector<SeenTexels> seen_;  // a record of these batches
-    GatherSeconds seconds_;
 };
 
 }  // namespace sheen

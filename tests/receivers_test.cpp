@@ -1,149 +1,19 @@
-// Weights, tangent frames and screen bounds of records.
+// Which pixels records serve: bounds in the image.
 #include <gtest/gtest.h>
 
-#include "cache/record.h"
-#include "cache/served.h"
+#include "receivers/served.h"
 #include "test_scenes.h"
 
 namespace sheen {
 namespace {
-
-constexpr WeightParams kWeight = {.accuracy = 0.15f, .normal_weight = 1.0f, .slab = 0.1f};
-const vec3 kUp(0, 0, 1);
-
-float weightAt(const vec3& d, const vec3& n = kUp, float R = 2.0f, float footprint = 1e-3f) {
-    const vec3 p_k(3, -1, 2);
-    return shared::recordWeight(kWeight, p_k, kUp, R, p_k + d, n, footprint);
-}
-
-TEST(RecordWeight, FollowsTheFormulaInsideAndIsZeroOutside) {
-    Random random(1);
-    for (int i = 0; i < 200; ++i) {
-        const float R = 2.0f;
-        const float distance = random.uniform(0.01f, 0.6f);
-        const float phi = random.uniform(0.0f, 2.0f * kPi);
-        const float e = distance / R;
-        const float expected = std::max(kWeight.accuracy / e - 1.0f, 0.0f);
-        EXPECT_NEAR(weightAt(distance * vec3(std::cos(phi), std::sin(phi), 0.0f)), expected,
-                    1e-3f * (1.0f + expected));
-    }
-    EXPECT_EQ(weightAt(vec3(0.3001f, 0, 0)), 0.0f);
-    EXPECT_EQ(weightAt(vec3(1e9f, 0, 0)), 0.0f);
-}
-
-TEST(RecordWeight, FiniteAndLargestAtTheRecord) {
-    const float at = weightAt(vec3(0.0f));
-    EXPECT_TRUE(std::isfinite(at));
-    // e_min = half a footprint over R.
-    EXPECT_NEAR(at, 0.15f / (0.5f * 1e-3f / 2.0f) - 1.0f, 1.0f);
-    EXPECT_GE(at, weightAt(vec3(1e-3f, 0, 0)));
-    EXPECT_EQ(at, weightAt(vec3(1e-4f, 0, 0)));  // closer than half a footprint
-}
-
-TEST(RecordWeight, TiltCountsLikeDistance) {
-    for (float degrees : {2.0f, 5.0f, 8.0f}) {
-        const float angle = glm::radians(degrees);
-        const vec3 n(std::sin(angle), 0.0f, std::cos(angle));
-        const float e = std::sqrt(1.0f - std::cos(angle));
-        EXPECT_NEAR(weightAt(vec3(0.0f), n), std::max(0.15f / e - 1.0f, 0.0f), 0.01f) << degrees;
-    }
-    // sqrt(1 - cos) = 0.15 at 12.2 degrees.
-    const auto tilted = [](float degrees) {
-        return vec3(0.0f, std::sin(glm::radians(degrees)), std::cos(glm::radians(degrees)));
-    };
-    EXPECT_GT(weightAt(vec3(0.0f), tilted(12.0f)), 0.0f);
-    EXPECT_EQ(weightAt(vec3(0.0f), tilted(12.4f)), 0.0f);
-    EXPECT_EQ(weightAt(vec3(0.0f), -kUp), 0.0f);
-    EXPECT_EQ(weightAt(vec3(0.0f), vec3(1, 0, 0)), 0.0f);
-}
-
-TEST(RecordWeight, NormalWeightStretchesTheTilt) {
-    WeightParams w = kWeight;
-    w.normal_weight = 0.2f;
-    const vec3 n(std::sin(glm::radians(20.0f)), 0.0f, std::cos(glm::radians(20.0f)));
-    EXPECT_GT(shared::recordWeight(w, vec3(0), kUp, 1.0f, vec3(0), n, 1e-3f), 0.0f);
-    EXPECT_EQ(shared::recordWeight(kWeight, vec3(0), kUp, 1.0f, vec3(0), n, 1e-3f), 0.0f);
-}
-
-TEST(RecordWeight, SlabIsTwoSided) {
-    const float half = kWeight.slab * kWeight.accuracy * 2.0f;
-    for (float side : {-1.0f, 1.0f}) {
-        EXPECT_GT(weightAt(vec3(0.05f, 0, side * 0.95f * half)), 0.0f);
-        EXPECT_EQ(weightAt(vec3(0.05f, 0, side * 1.05f * half)), 0.0f);
-    }
-}
-
-TEST(RecordWeight, ScalingAllLengthsChangesNothing) {
-    Random random(2);
-    for (float s : {1e-6f, 1e-3f, 1e3f, 1e6f}) {
-        for (int i = 0; i < 100; ++i) {
-            const vec3 d = random.point(-0.2f, 0.2f) * vec3(1, 1, 0.05f);
-            const vec3 n = glm::normalize(kUp + 0.1f * random.direction());
-            const float one = shared::recordWeight(kWeight, vec3(0), kUp, 1.0f, d, n, 0.01f);
-            const float other = shared::recordWeight(kWeight, vec3(0), kUp, s, s * d, n, s * 0.01f);
-            EXPECT_NEAR(other, one, 1e-4f * (1.0f + one)) << s;
-        }
-    }
-}
-
-TEST(RecordWeight, SymmetricInRecordAndPoint) {
-    Random random(3);
-    for (int i = 0; i < 100; ++i) {
-        const vec3 a = random.point(-0.1f, 0.1f), b = random.point(-0.1f, 0.1f);
-        const vec3 na = random.direction(), nb = glm::normalize(na + 0.1f * random.direction());
-        EXPECT_FLOAT_EQ(shared::recordWeight(kWeight, a, na, 1.0f, b, nb, 1e-3f),
-                        shared::recordWeight(kWeight, b, nb, 1.0f, a, na, 1e-3f));
-    }
-}
-
-TEST(RecordIrradiance, ExtrapolatesAndNeverGoesBelowZero) {
-    Record k{};
-    k.position = vec3(1, 2, 3);
-    k.normal = kUp;
-    k.irradiance = vec3(1.0f, 2.0f, 3.0f);
-    k.rotation_r = vec3(0.5f, 0, 0);
-    k.translation_g = vec3(0, 1, 0);
-    k.translation_b = vec3(0, -100, 0);
-    const vec3 n = glm::normalize(vec3(0.2f, 0, 1));
-    const vec3 e = shared::recordIrradiance(k, k.position + vec3(0, 0.5f, 0), n);
-    EXPECT_NEAR(e.x, 1.0f + 0.5f * n.x, 1e-6f);
-    EXPECT_NEAR(e.y, 2.5f, 1e-6f);
-    EXPECT_EQ(e.z, 0.0f);
-    EXPECT_EQ(shared::recordIrradiance(k, k.position, kUp), k.irradiance);
-}
-
-TEST(TangentFrame, OrthonormalAndRightHanded) {
-    Random random(4);
-    std::vector<vec3> normals = {
-        {0, 0, 1},     {0, 0, -1},           {1, 0, 0},     {0, 1, 0},      {-1, 0, 0},
-        {0, -1, 0},    {0, 0, -0.99999994f}, {1, 0, -0.0f}, {1e-4f, 0, -1}, {1e-8f, 1e-8f, -1},
-        {1, 0, 1e-30f}};
-    for (int i = 0; i < 2000; ++i) {
-        normals.push_back(random.direction());
-        normals.push_back(vec3(1e-3f, 1e-3f, 1.0f) * random.direction());
-    }
-    for (const vec3& v : normals) {
-        const vec3 n = glm::normalize(v);
-        const mat3 f = tangentFrame(n);
-        EXPECT_EQ(f[2], n);
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) {
-                EXPECT_NEAR(glm::dot(f[i], f[j]), i == j ? 1.0f : 0.0f, 3e-6f) << n.x << " " << n.z;
-            }
-        }
-        EXPECT_NEAR(glm::determinant(f), 1.0f, 3e-6f);
-    }
-}
-
-// ---- Screen bounds of spheres -------------------------------------------------------------------
 
 struct Sphere {
     vec3 center;
     float radius;
 };
 
-PixelRect sphereBounds(const View& view, int width, int height, const vec3& center, float radius) {
-    return slabBounds(view, width, height, center, radius, vec3(0, 1, 0), kInfinity);
+PixelRect sphereBounds(const PixelGrid& image, const vec3& center, float radius) {
+    return slabBounds(image, center, radius, vec3(0, 1, 0), kInfinity);
 }
 
 // Whether the ray through a pixel's centre meets the sphere.
@@ -162,8 +32,8 @@ bool meets(const Camera& camera, int width, int height, int x, int y, const Sphe
 // Every pixel whose centre's ray meets the sphere lies in the rectangle. Returns how many do.
 int expectConservative(const Camera& camera, int width, int height, const vec3& center,
                        float radius) {
-    const View view = cameraView(camera, width, height);
-    const PixelRect rect = sphereBounds(view, width, height, center, radius);
+    const PixelGrid image = pixelGrid(camera, width, height);
+    const PixelRect rect = sphereBounds(image, center, radius);
     EXPECT_TRUE(rect.x0 >= 0 && rect.x1 <= width && rect.y0 >= 0 && rect.y1 <= height);
     int seen = 0;
     for (int y = 0; y < height; ++y) {
@@ -182,8 +52,9 @@ int expectConservative(const Camera& camera, int width, int height, const vec3& 
 // The same for images too large to try every pixel: those around points of the sphere's outline.
 int expectConservativeAtOutline(const Camera& camera, int size, const Sphere& sphere) {
     constexpr int kPoints = 300;
-    const View view = cameraView(camera, size, size);
-    const PixelRect rect = sphereBounds(view, size, size, sphere.center, sphere.radius);
+    const PixelGrid image = pixelGrid(camera, size, size);
+    const View& view = image.view;
+    const PixelRect rect = sphereBounds(image, sphere.center, sphere.radius);
     const glm::dmat3 image_from_world = glm::inverse(
         glm::dmat3(glm::dvec3(view.right), glm::dvec3(view.up), glm::dvec3(view.forward)));
     const glm::dvec3 d(sphere.center - view.origin);
@@ -329,7 +200,8 @@ TEST(SlabBounds, HoldTheSlabAndLittleElse) {
     double slab_area = 0.0, sphere_area = 0.0, hull_area = 0.0;
     for (int i = 0; i < 200; ++i) {
         const Camera camera = randomCamera(random, 0.3f, 2.0f);
-        const View view = cameraView(camera, kImage, kImage);
+        const PixelGrid image = pixelGrid(camera, kImage, kImage);
+        const View& view = image.view;
         const float radius = random.uniform(0.05f, 0.6f);
         const float height = radius * random.uniform(0.0f, 0.3f);
         const vec3 center = view.origin +
@@ -337,8 +209,8 @@ TEST(SlabBounds, HoldTheSlabAndLittleElse) {
                             0.3f * random.direction();
         const vec3 n = random.direction();
         const mat3 frame = tangentFrame(n);
-        const PixelRect rect = slabBounds(view, kImage, kImage, center, radius, n, height);
-        const PixelRect sphere = sphereBounds(view, kImage, kImage, center, radius);
+        const PixelRect rect = slabBounds(image, center, radius, n, height);
+        const PixelRect sphere = sphereBounds(image, center, radius);
         EXPECT_TRUE(rect.x0 >= sphere.x0 && rect.x1 <= sphere.x1 && rect.y0 >= sphere.y0 &&
                     rect.y1 <= sphere.y1);
         const mat3 image_from_world = glm::inverse(mat3(view.right, view.up, view.forward));
@@ -385,23 +257,19 @@ TEST(ServedBounds, HoldWhatHasWeight) {
     int served = 0, outside_flat = 0;
     for (int i = 0; i < kRecords; ++i) {
         const Camera camera = randomCamera(random, 0.3f, 2.0f);
-        GBuffer gbuffer;
-        gbuffer.width = gbuffer.height = 1000;
-        gbuffer.view = cameraView(camera, gbuffer.width, gbuffer.height);
+        const PixelGrid image = pixelGrid(camera, 1000, 1000);
+        const View& view = image.view;
         const WeightParams weight{.accuracy = random.uniform(0.1f, 1.5f),
                                   .normal_weight = random.uniform(1.0f, 6.0f),
                                   .slab = random.uniform(0.0f, 0.2f)};
         Record k{};
-        k.position =
-            gbuffer.view.origin + random.uniform(1.0f, 4.0f) * glm::normalize(gbuffer.view.forward);
+        k.position = view.origin + random.uniform(1.0f, 4.0f) * glm::normalize(view.forward);
         k.normal = random.direction();
         k.radius = random.uniform(0.05f, 0.5f) / weight.accuracy;
         const float reach = weight.accuracy * k.radius;
-        const PixelRect rect = servedBounds(gbuffer, k, weight);
-        const PixelRect flat = slabBounds(gbuffer.view, gbuffer.width, gbuffer.height, k.position,
-                                          reach, k.normal, weight.slab * reach);
-        const mat3 image_from_world =
-            glm::inverse(mat3(gbuffer.view.right, gbuffer.view.up, gbuffer.view.forward));
+        const PixelRect rect = servedBounds(image, k, weight);
+        const PixelRect flat = slabBounds(image, k.position, reach, k.normal, weight.slab * reach);
+        const mat3 image_from_world = glm::inverse(mat3(view.right, view.up, view.forward));
         const auto holds = [](const PixelRect& r, const vec2& pixel) {
             return pixel.x > static_cast<float>(r.x0) && pixel.x < static_cast<float>(r.x1) &&
                    pixel.y > static_cast<float>(r.y0) && pixel.y < static_cast<float>(r.y1);
@@ -413,7 +281,7 @@ TEST(ServedBounds, HoldWhatHasWeight) {
             if (shared::recordWeight(weight, k.position, k.normal, k.radius, p, n, 1e-4f) <= 0.0f) {
                 continue;
             }
-            const vec3 q = image_from_world * (p - gbuffer.view.origin);
+            const vec3 q = image_from_world * (p - view.origin);
             const vec2 pixel = (0.5f * vec2(q) / q.z + 0.5f) * 1000.0f;
             if (q.z <= 0.0f || std::min(pixel.x, pixel.y) < 0.0f ||
                 std::max(pixel.x, pixel.y) >= 1000.0f) {
@@ -432,30 +300,30 @@ TEST(SphereBounds, TheWholeImageAroundTheEyeAndNothingBehindIt) {
     Random random(10);
     for (int i = 0; i < 200; ++i) {
         const Camera camera = randomCamera(random, 0.1f, 3.0f);
-        const View view = cameraView(camera, 40, 30);
+        const PixelGrid image = pixelGrid(camera, 40, 30);
+        const View& view = image.view;
         const float radius = std::pow(10.0f, random.uniform(-3.0f, 3.0f));
         const vec3 toward = random.uniform(0.0f, 0.99f) * radius * random.direction();
-        const PixelRect all = sphereBounds(view, 40, 30, view.origin + toward, radius);
+        const PixelRect all = sphereBounds(image, view.origin + toward, radius);
         EXPECT_TRUE(all.x0 == 0 && all.x1 == 40 && all.y0 == 0 && all.y1 == 30);
         // Behind, however far aside.
         const vec3 back(camera.world_from_camera[2]);
         const vec3 aside = random.uniform(0.0f, 50.0f) * vec3(camera.world_from_camera[i % 2]);
         const PixelRect none = sphereBounds(
-            view, 40, 30, view.origin + radius * (random.uniform(1.01f, 9.0f) * back + aside),
-            radius);
+            image, view.origin + radius * (random.uniform(1.01f, 9.0f) * back + aside), radius);
         EXPECT_TRUE(none.x0 >= none.x1 || none.y0 >= none.y1);
     }
 }
 
 TEST(SphereBounds, TightInFrontAndEmptyBehindOrBeside) {
     const Camera camera = lookAt(vec3(0), vec3(0, 0, -1));
-    const View view = cameraView(camera, 100, 100);
-    const PixelRect front = sphereBounds(view, 100, 100, vec3(0, 0, -10), 0.1f);
+    const PixelGrid image = pixelGrid(camera, 100, 100);
+    const PixelRect front = sphereBounds(image, vec3(0, 0, -10), 0.1f);
     EXPECT_LE(front.x1 - front.x0, 6);
     EXPECT_LE(front.y1 - front.y0, 6);
-    EXPECT_EQ(sphereBounds(view, 100, 100, vec3(0, 0, 10), 1.0f).x1, 0);
-    EXPECT_EQ(sphereBounds(view, 100, 100, vec3(100, 0, -10), 1.0f).x1, 0);
-    const PixelRect all = sphereBounds(view, 100, 100, vec3(0), 1.0f);
+    EXPECT_EQ(sphereBounds(image, vec3(0, 0, 10), 1.0f).x1, 0);
+    EXPECT_EQ(sphereBounds(image, vec3(100, 0, -10), 1.0f).x1, 0);
+    const PixelRect all = sphereBounds(image, vec3(0), 1.0f);
     EXPECT_EQ(all.x1 - all.x0, 100);
 }
 

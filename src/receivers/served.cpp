@@ -1,12 +1,13 @@
-#include "cache/served.h"
+#include "receivers/served.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace sheen {
 
-PixelRect slabBounds(const View& view, int width, int height, const vec3& center, float radius,
-                     const vec3& normal, float half_height) {
+PixelRect slabBounds(const PixelGrid& image, const vec3& center, float radius, const vec3& normal,
+                     float half_height) {
+    const View& view = image.view;
     // Double precision: where the sphere almost reaches the eye's plane the tangents are small
     // differences of large numbers.
     const glm::dvec3 d = glm::dvec3(center) - glm::dvec3(view.origin);
@@ -61,8 +62,8 @@ PixelRect slabBounds(const View& view, int width, int height, const vec3& center
         high = std::clamp(static_cast<int>(std::ceil(pixel(s1) + 0.5)), 0, size);
     };
     PixelRect rect;
-    range(view.right, width, rect.x0, rect.x1);
-    range(view.up, height, rect.y0, rect.y1);
+    range(view.right, image.width, rect.x0, rect.x1);
+    range(view.up, image.height, rect.y0, rect.y1);
     if (rect.x0 >= rect.x1 || rect.y0 >= rect.y1) {
         return {};
     }
@@ -73,20 +74,21 @@ PixelRect slabBounds(const View& view, int width, int height, const vec3& center
 // with t = 1 - n.n_k = |n - n_k|^2 / 2. Of d.n_k = d.(n + n_k) / 2 - d.(n - n_k) / 2 the second
 // part is at most |d| sqrt(t / 2) < |d| (a - |d| / R) / sqrt(2 k_n), which is greatest in the
 // middle of the reach.
-PixelRect servedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight) {
+PixelRect servedBounds(const PixelGrid& image, const Record& record, const WeightParams& weight) {
     const float reach = weight.accuracy * record.radius;
     const float tilted = weight.accuracy * reach / (4.0f * std::sqrt(2.0f * weight.normal_weight));
-    return slabBounds(gbuffer.view, gbuffer.width, gbuffer.height, record.position, reach,
-                      record.normal, weight.slab * reach + tilted);
+    return slabBounds(image, record.position, reach, record.normal, weight.slab * reach + tilted);
 }
 
-PixelRect reachedBounds(const GBuffer& gbuffer, const Record& record, const WeightParams& weight) {
+PixelRect reachedBounds(const Receivers& receivers, const Record& record,
+                        const WeightParams& weight) {
     constexpr float kRounding = 1e-5f;  // of another compiler's recordWeight()
-    const PixelRect served = servedBounds(gbuffer, record, weight);
+    const PixelRect served = servedBounds(receivers.image, record, weight);
     const float reach = (1.0f + kRounding) * weight.accuracy * record.radius;
     const auto reached = [&](int x, int y) {
-        const vec3 d = vec3(gbuffer.position.at(x, y)) - record.position;
-        return glm::dot(d, d) < reach * reach && gbuffer.seen(y * gbuffer.width + x);
+        const size_t i = receivers.image.index(x, y);
+        const vec3 d = receivers.positions[i] - record.position;
+        return glm::dot(d, d) < reach * reach && receivers.seen(i);
     };
     PixelRect rect{served.x1, served.y1, served.x0, served.y0};
     for (int y = served.y0; y < served.y1; ++y) {

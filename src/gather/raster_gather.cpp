@@ -1,4 +1,4 @@
-#include "cache/raster_gather.h"
+#include "gather/raster_gather.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "cache/record.h"
+#include "record/record.h"
 
 #include <cmath>
 

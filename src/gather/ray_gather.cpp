@@ -1,4 +1,4 @@
-#include "cache/ray_gather.h"
+#include "gather/ray_gather.h"
 
 #include <algorithm>
 #include <cmath>

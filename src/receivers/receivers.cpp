@@ -1,0 +1,36 @@
+#include "receivers/receivers.h"
+
+#include <utility>
+
+#include "receivers/classes.h"
+#include "scene/brdf_albedo.h"
+
+namespace sheen {
+
+vec3 Receivers::specularAlbedo(size_t i) const {
+    const vec2 ab = brdfAlbedo(glm::dot(normals[i], towardViewer(i)), roughness[i]);
+    return f0[i] * ab.x + vec3(f90[i] * ab.y);
+}
+
+Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool irradiance_only) {
+    Receivers receivers;
+    receivers.image = gbuffer.image;
+    receivers.positions = std::move(gbuffer.position.pixels);
+    receivers.normals = std::move(gbuffer.normal.pixels);
+    receivers.footprints = std::move(gbuffer.depth.pixels);
+    for (float& width : receivers.footprints) {
+        width *= gbuffer.image.pixel_angle;
+    }
+    receivers.triangles = std::move(gbuffer.primitive.pixels);
+    receivers.diffuse = std::move(gbuffer.diffuse.pixels);
+    receivers.f0 = std::move(gbuffer.f0.pixels);
+    receivers.f90 = std::move(gbuffer.f90.pixels);
+    receivers.roughness = std::move(gbuffer.roughness.pixels);
+    receivers.direct = std::move(gbuffer.direct.pixels);
+    receivers.emission = std::move(gbuffer.emission.pixels);
+    classify(scene, sh_order, irradiance_only, receivers);
+    receivers.lobes = buildLobes(receivers);
+    return receivers;
+}
+
+}  // namespace sheen

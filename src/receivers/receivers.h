@@ -1,0 +1,92 @@
+// Points whose light is wanted, as structure of arrays: today the pixels of an image. All that
+// gathers, places, splats or composes asks these what lies where, and never the G-buffer that they
+// were made of.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "raster/gbuffer.h"
+#include "receivers/lobes.h"
+#include "record/record.h"
+
+namespace sheen {
+
+/// Material of a receiver without a surface.
+constexpr int kNoMaterial = -1;
+/// Order of a receiver without a surface.
+constexpr int kNoOrder = -1;
+
+/// What light receivers ask for, counted.
+struct ReceiverCounts {
+    int seen = 0;     ///< with a surface
+    int diffuse = 0;  ///< of these, diffuse
+    // Likewise; a given order leaves both to the records.
+    int corrected = 0;   ///< missed by the order, so that rays correct the records
+    int too_glossy = 0;  ///< missed, but too glossy for the cache
+};
+
+/// Arrays are [receiver], row by row of the image; zero where there is no surface, or as said.
+struct Receivers {
+    // What is there.
+    std::vector<vec3> positions;      ///< world space
+    std::vector<vec3> normals;        ///< shading normals, unit
+    std::vector<float> footprints;    ///< the width that a receiver stands for, scene units
+    std::vector<uint32_t> triangles;  ///< kNoPrimitive: no surface
+    std::vector<int> materials;       ///< of the scene; kNoMaterial: no surface
+
+    // What it reflects toward the viewer, and what comes from there whatever the records say.
+    std::vector<vec3> diffuse;     ///< diffuse reflectance
+    std::vector<vec3> f0;          ///< specular F0
+    std::vector<float> f90;        ///< specular F90
+    std::vector<float> roughness;  ///< perceptual
+    std::vector<vec3> direct;      ///< radiance of direct light
+    std::vector<vec3> emission;    ///< radiance; empty where no material emits and no sky shows
+
+    // What light it wants of records.
+    std::vector<int8_t> orders;    ///< kNoOrder, shared::DIFFUSE_ORDER or bands
+    std::vector<uint8_t> by_rays;  ///< 1: rays correct the specular light, or, where the order is
+                                   ///< that of a diffuse receiver, say all of it
+    Lobes lobes;                   ///< of the glossy ones
+    bool irradiance_only = false;  ///< specular light is not wanted
+    std::vector<int> material_orders;  ///< per material of the scene
+    ReceiverCounts counts;
+
+    /// What they are the pixels of: from there they are seen, and there they are looked for
+    /// (served.h).
+    PixelGrid image;
+
+    int count() const { return static_cast<int>(positions.size()); }
+    /// Whether there is a surface.
+    bool seen(size_t i) const { return footprints[i] > 0.0f; }
+    /// Unit.
+    vec3 towardViewer(size_t i) const { return glm::normalize(image.view.origin - positions[i]); }
+    float alpha(size_t i) const { return shared::alphaFromRoughness(roughness[i]); }
+    /// Where rays leave it, on the viewer's side.
+    SurfaceSide sideAt(const Scene& scene, size_t i) const {
+        return sideToward(scene, triangles[i], positions[i], image.view.origin);
+    }
+    /// What the specular lobe reflects of constant light.
+    vec3 specularAlbedo(size_t i) const;
+
+    /// Whether rays correct what records say of it.
+    bool isCorrected(size_t i) const {
+        return by_rays[i] != 0 && orders[i] > shared::DIFFUSE_ORDER;
+    }
+    /// Whether rays say all of its specular light.
+    bool isTooGlossy(size_t i) const {
+        return by_rays[i] != 0 && orders[i] == shared::DIFFUSE_ORDER;
+    }
+    bool anyByRays() const {
+        return std::any_of(by_rays.begin(), by_rays.end(),
+                           [](uint8_t by_ray) { return by_ray != 0; });
+    }
+};
+
+/// Those of a G-buffer, whose arrays become theirs, each classified (classes.h), with its lobe;
+/// `irradiance_only`: all as diffuse. None goes by rays where a given `sh_order` asks for its
+/// truncation; 0: orders by prediction. Environment error where there are too many lobes.
+Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool irradiance_only);
+
+}  // namespace sheen
