@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/memory.h"
+#include "scene/defaults.h"
 #include "scene/gltf_parts.h"
 #include "scene/sun.h"
 
@@ -507,38 +508,6 @@ void checkLightLevel(const File& file, const Scene& scene) {
     }
 }
 
-// Looks at the centre of the bounds from the front, a little from above, with all of them in view.
-Camera framingCamera(const Bounds& bounds) {
-    Camera camera{.name = "default"};
-    if (bounds.empty()) {
-        return camera;
-    }
-    const vec3 back = glm::normalize(vec3(0.35f, 0.3f, 1.0f));
-    const vec3 right = glm::normalize(glm::cross(vec3(0.0f, 1.0f, 0.0f), back));
-    const vec3 up = glm::cross(back, right);
-    const float distance = 0.5f * bounds.size() / std::sin(0.5f * camera.y_fov);
-    camera.world_from_camera = mat4(vec4(right, 0.0f), vec4(up, 0.0f), vec4(back, 0.0f),
-                                    vec4(bounds.center() + distance * back, 1.0f));
-    return camera;
-}
-
-bool isDark(const Scene& scene) {
-    return scene.lights.empty() && scene.environment.empty() &&
-           std::all_of(scene.materials_of.begin(), scene.materials_of.end(),
-                       [&](uint32_t material) { return !scene.materials[material].emits(); });
-}
-
-// From above, to the left of the framing camera. White that faces it has radiance 1.
-PunctualLight framingSun() {
-    PunctualLight sun{};
-    sun.kind = shared::LIGHT_DIRECTIONAL;
-    sun.direction = glm::normalize(vec3(0.4f, -1.0f, -0.6f));
-    sun.intensity = vec3(kPi);
-    sun.spot_offset = 1.0f;
-    sun.cos_outer = -1.0f;
-    return sun;
-}
-
 }  // namespace
 }  // namespace gltf
 
@@ -574,20 +543,21 @@ Scene loadScene(const std::string& path, const std::string& camera,
     }
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");
-    } else if (gltf::isDark(scene)) {
-        scene.lights.push_back(gltf::framingSun());
-        scene.light_names.push_back("default");
-        file.notes.add(
-            "the scene has no light and nothing that emits: lit by a sun from above; "
-            "export it with its lights (KHR_lights_punctual) to see it in those");
     }
     if (scene.cameras.empty()) {
-        scene.cameras.push_back(gltf::framingCamera(scene.bounds));
+        scene.cameras.push_back(framingCamera(scene.bounds));
         if (!scene.triangles.empty()) {
             file.notes.add(
                 "the scene has no camera: seen from the front, all of it in view; "
                 "export it with a camera to see it from there");
         }
+    }
+    if (!scene.triangles.empty() && environment.source != "none" && isDark(scene)) {
+        scene.lights.push_back(keyLight(scene.cameras.front()));
+        scene.light_names.push_back("default");
+        file.notes.add(
+            "the scene has no light and nothing that emits: lit by a sun from above, to the left "
+            "of its first view; --environment lights it by a sky or, by none, not at all");
     }
     scene.files = std::move(file.read);
     scene.files.push_back(path);
