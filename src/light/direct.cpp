@@ -35,7 +35,7 @@ Image<vec3> traceDirect(const Tracer& tracer, const GBuffer& gbuffer) {
                     }
                     const size_t i = pixels[k];
                     const float roughness = gbuffer.roughness.pixels[i];
-                    const Scatterer surface{.n = gbuffer.normal.pixels[i],
+                    const Scatterer surface{.n = gbuffer.mappedNormalAt(i),
                                             .brdf = {.diffuse = gbuffer.diffuse.pixels[i],
                                                      .alpha = shared::alphaFromRoughness(roughness),
                                                      .f0 = gbuffer.f0.pixels[i],
