@@ -6,7 +6,7 @@
 #include <string>
 
 #include "accuracy_sites.h"
-#include "cache/placement.h"
+#include "cache/fill.h"
 #include "light/scattered_once.h"
 #include "raster/gpu_scene.h"
 #include "receivers/receivers.h"

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "cache/ray_filter.h"
 #include "gather/integrate.h"
+#include "glossy/ray_filter.h"
 #include "scene/shared.h"
 #include "test_placement.h"
 

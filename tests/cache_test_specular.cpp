@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "cache/specular_rays.h"
 #include "core/parallel.h"
+#include "glossy/specular_rays.h"
 #include "receivers/classes.h"
 #include "sh/brdf_sh.h"
 #include "test_light.h"

@@ -35,7 +35,9 @@ TEST_F(CliTest, wrongCommands) {
 
 TEST_F(CliTest, environmentsThatCannotBe) {
     const auto expect = [this](const char* option, ExitCode code, const char* part) {
-        expectError(fmt::format("render scene.gltf -o a.exr --environment {}", option), code, part);
+        expectError(
+            fmt::format("render scene.gltf --method reference -o a.exr --environment {}", option),
+            code, part);
     };
     expect("no.hdr", ExitCode::kInput, "no.hdr: no such file");
     expect("no.exr", ExitCode::kInput, "no.exr: no such file");
@@ -45,6 +47,10 @@ TEST_F(CliTest, environmentsThatCannotBe) {
     expect("''", ExitCode::kUsage, "name is empty");
     expect("1,1,1 --environment-strength -1", ExitCode::kUsage, "-1");
     expect("1,1,1 --environment-rotation 361", ExitCode::kUsage, "361");
+    for (const char* method : {"radiance", "irradiance"}) {
+        expectError(fmt::format("render scene.gltf --environment 1,1,1 --method {}", method),
+                    ExitCode::kUsage, "does not gather the light of a sky");
+    }
     for (const char* option :
          {"--environment-rotation 10", "--environment-strength 2", "--transparent"}) {
         expectError(fmt::format("render scene.gltf {}", option), ExitCode::kUsage, "--environment");

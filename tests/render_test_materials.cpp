@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "metrics/compare.h"
+#include "reference/light.h"
 #include "test_reference.h"
 #include "test_render.h"
 
@@ -105,6 +106,106 @@ TEST(VariedMaterials, AreLitAsByTheReference) {
         EXPECT_LT(direct.rel_rmse, 0.02) << nameOf(road);
         EXPECT_LT(indirect.rel_rmse, 0.04) << nameOf(road);
         EXPECT_LT(std::abs(indirect.bias), 0.015) << nameOf(road);
+    }
+}
+
+// A room seen from outside, through a wall that faces inward; over its floor a screen half of which
+// a mask leaves out.
+Scene dollhouse() {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.7f)));
+    const uint32_t red = addMaterial(scene, diffuseParams(vec3(0.7f, 0.1f, 0.1f)));
+    const uint32_t screen = addMaterial(scene, diffuseParams(vec3(0.2f, 0.2f, 0.7f)));
+    addBox(scene, vec3(-1), vec3(1), {red, white, white, white, white, white}, true);
+    for (Material& material : scene.materials) {
+        material.single_sided = true;
+    }
+    addQuad(scene, vec3(-0.6f, -0.2f, -0.6f), vec3(0, 0, 1.2f), vec3(1.2f, 0, 0), screen);
+    for (size_t i = scene.positions.size() - 4; i < scene.positions.size(); ++i) {
+        scene.uvs[i] = vec2(scene.positions[i].x < 0.0f ? 0.0f : 1.0f, 0.0f);
+    }
+    Material& holed = scene.materials[screen];
+    holed.single_sided = false;
+    holed.alpha_cutoff = 0.5f;
+    holed.alpha_texture.texture =
+        addTexture(scene, 2, 1, {vec3(1.0f), vec3(1.0f)}, shared::WRAP_CLAMP);
+    scene.images.back().words[7] = 0;
+    scene.lights.push_back(pointLight(vec3(0.3f, 0.7f, 0.2f), vec3(1.0f)));
+    scene.cameras.push_back(lookAt(vec3(0.5f, 0.6f, 3.5f), vec3(0.0f, -0.2f, 0.0f)));
+    return scene;
+}
+
+TEST(Coverage, CamerasPassBacksAndHolesAndRaysPassHoles) {
+    const Scene scene = dollhouse();
+    const ReferenceResult truth = reference(scene);
+    const RenderResult result = renderFrame(scene, smallRender(kSize, kSize));
+    const Frame& frame = result.frame;
+    int same = 0;
+    int inside = 0;
+    for (size_t i = 0; i < frame.primitive.pixels.size(); ++i) {
+        same += frame.primitive.pixels[i] == truth.frame.primitive.pixels[i] ? 1 : 0;
+        inside += frame.primitive.pixels[i] != kNoPrimitive ? 1 : 0;
+        if (frame.primitive.pixels[i] != kNoPrimitive) {
+            EXPECT_LT(frame.position.pixels[i].z, 0.999f) << "the wall in front is not seen";
+        }
+    }
+    EXPECT_GT(same, kSize * kSize - 10);
+    EXPECT_GT(inside, kSize * kSize / 4);
+    const auto error = [&](const Image<vec3>& test, const Image<vec3>& of,
+                           const Image<vec3>* variance) {
+        return compareImages({.test = test,
+                              .reference = of,
+                              .reference_variance = variance,
+                              .test_primitive = &frame.primitive,
+                              .reference_primitive = &truth.frame.primitive});
+    };
+    EXPECT_LT(error(frame.direct, truth.frame.direct, nullptr).rel_rmse, 0.02);
+    EXPECT_LT(error(frame.indirect, truth.frame.indirect, &truth.frame.indirect_variance).rel_rmse,
+              0.04);
+    // Light comes through the hole onto the floor below it, and only there.
+    const auto lit = [&](float x, float z) {
+        const RayScene rays(scene);
+        Counters counters;
+        const vec3 down(0, -1, 0);
+        const RayHit hit = rays.intersect(vec3(x, -0.5f, z), down);
+        return directRadiance(rays, rays.surfaceAt(hit, -down), counters).x > 0.0f;
+    };
+    EXPECT_TRUE(lit(0.1f, 0.0f));
+    EXPECT_FALSE(lit(-0.4f, 0.0f));
+}
+
+// Direct light by the mapped normal, as the reference has it, and records as without the map.
+TEST(NormalMaps, BendDirectLightAndNoRecord) {
+    Scene scene = variedRoom(vec3(0.0f));
+    const int flat_records = renderFrame(scene, smallRender(kSize, kSize)).stats.records;
+    scene.tangents.assign(scene.positions.size(), vec4(0.0f));
+    for (size_t i = 0; i < scene.positions.size(); ++i) {
+        const vec3& n = scene.normals[i];
+        scene.tangents[i] = vec4(std::abs(n.x) > 0.5f ? vec3(0, 1, 0) : vec3(1, 0, 0), 1.0f);
+    }
+    for (Material& material : scene.materials) {
+        material.normal_texture.texture =
+            addTexture(scene, 2, 2,
+                       {vec3(0.7f, 0.4f, 0.95f), vec3(0.3f, 0.6f, 0.95f), vec3(0.5f, 0.5f, 1.0f),
+                        vec3(0.4f, 0.7f, 0.9f)});
+        material.normal_texture.transform = {.row_u = {3, 0}, .row_v = {0, 3}, .offset = {0, 0}};
+    }
+    const Frame truth = firstHits(scene, kSize, kSize);
+    for (GatherRoad road : kRoads) {
+        const RenderResult result =
+            renderFrame(scene, smallRender(kSize, kSize, Method::kRadiance, road));
+        const Frame& frame = result.frame;
+        EXPECT_LT(compareImages({.test = frame.direct,
+                                 .reference = truth.direct,
+                                 .reference_variance = nullptr,
+                                 .test_primitive = &frame.primitive,
+                                 .reference_primitive = &truth.primitive})
+                      .rel_rmse,
+                  0.02)
+            << nameOf(road);
+        if (road == GatherRoad::kRays) {
+            EXPECT_LT(result.stats.records, 13 * flat_records / 10);
+        }
     }
 }
 

@@ -3,7 +3,9 @@
 #include "scene/scene.h"
 
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
+#include "scene/defaults.h"
 #include "scene_test_gltf.h"
 #include "scenes/png.h"
 
@@ -290,7 +292,7 @@ TEST(SceneLoader, CameraPosesAreRigid) {
 TEST(SceneLoader, SceneWithoutCamerasGetsOneThatSeesAllOfItAndSaysSo) {
     const Scene scene = oneTriangle().load();
     ASSERT_EQ(scene.cameras.size(), 1u);
-    EXPECT_TRUE(warnsOf(scene, "no perspective camera"));
+    EXPECT_TRUE(warnsOf(scene, "no camera"));
     const mat4 camera_from_world = glm::inverse(scene.cameras[0].world_from_camera);
     const float tan_half = std::tan(0.5f * scene.cameras[0].y_fov);
     for (const vec3& p : scene.positions) {
@@ -319,6 +321,37 @@ TEST(SceneLoader, SceneThatWouldBeBlackGetsASunAndSaysSo) {
     EXPECT_FALSE(warnsOf(glowing, "no light"));
 }
 
+TEST(SceneDefaults, KeyLightComesFromTheLeftOfTheFirstCamera) {
+    for (const float turn : {0.0f, 1.0f, 3.0f}) {
+        Camera camera;  // looks along -z
+        camera.world_from_camera =
+            glm::rotate(glm::rotate(mat4(1.0f), turn, vec3(0, 1, 0)), -0.4f, vec3(1, 0, 0));
+        const mat3 axes(camera.world_from_camera);
+        const vec3 wi = -keyLight(camera).direction;
+        EXPECT_GT(wi.y, 0.7f);
+        EXPECT_LT(glm::dot(wi, axes[0]), -0.2f) << "from the left";
+        EXPECT_GT(glm::dot(wi, axes[2]), 0.2f) << "from the camera's side";
+        EXPECT_NEAR(glm::length(wi), 1.0f, kRounding);
+    }
+    // Straight down and up.
+    for (const float tilt : {-0.5f * kPi, 0.5f * kPi}) {
+        Camera camera;
+        camera.world_from_camera = glm::rotate(mat4(1.0f), tilt, vec3(1, 0, 0));
+        const vec3 wi = -keyLight(camera).direction;
+        EXPECT_LT(wi.x, -0.2f);
+        EXPECT_GT(wi.z, 0.2f);
+    }
+}
+
+TEST(SceneDefaults, NothingIsAddedWhereTheEnvironmentIsNamed) {
+    const std::string path = oneTriangle().write();
+    EXPECT_EQ(loadScene(path).lights.size(), 1u);
+    EXPECT_TRUE(loadScene(path, {}, {.source = "none"}).lights.empty());
+    const Scene lit = loadScene(path, {}, {.source = "1,1,1"});
+    EXPECT_TRUE(lit.lights.empty());
+    EXPECT_TRUE(lit.environment.shows());
+}
+
 TEST(SceneLoader, EmptySceneIsLegalAndSaysSo) {
     const Scene scene = GltfFile().load();
     EXPECT_TRUE(scene.lights.empty()) << "nothing to light";
@@ -342,7 +375,6 @@ TEST(SceneLoader, OnlyTheDefaultSceneIsShown) {
 TEST(SceneLoader, NamesWhatItLeavesOut) {
     GltfFile file = textured();
     Json& material = file.json["materials"][0];
-    material["normalTexture"]["index"] = 0;
     material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 2;
     material["alphaMode"] = "BLEND";
     Json& primitive = file.json["meshes"][0]["primitives"][0];
@@ -357,9 +389,8 @@ TEST(SceneLoader, NamesWhatItLeavesOut) {
     file.json["extensionsUsed"] = {"KHR_materials_clearcoat"};
     const Scene scene = file.load();
     EXPECT_EQ(scene.triangleCount(), 1);
-    for (const char* text :
-         {"normal textures", "TEXCOORD_2", "alphaMode BLEND", "morph targets", "points and lines",
-          "skins", "orthographic", "KHR_materials_clearcoat"}) {
+    for (const char* text : {"TEXCOORD_2", "alphaMode BLEND", "morph targets", "points and lines",
+                             "skins", "orthographic", "KHR_materials_clearcoat"}) {
         EXPECT_TRUE(warnsOf(scene, text)) << text;
     }
 }

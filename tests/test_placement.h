@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "cache/placement.h"
+#include "cache/fill.h"
 #include "image/frame.h"
 #include "receivers/receivers.h"
 #include "receivers/served.h"

@@ -27,13 +27,14 @@ struct PackedTexture {
 struct PackedMaterial {
     MaterialParams params;
     int unlit;
+    float normal_scale;
     int pad0;
     int pad1;
-    int pad2;
-    PackedTexture textures[TEXTURE_USES];
+    PackedTexture textures[TEXTURE_USES + 1];  // the last: the normal's
 };
 struct PackedCorner {
     vec4 color;
+    vec4 tangent;
     vec2 second_uv;
     vec2 pad;
 };
@@ -102,27 +103,31 @@ CornerUvs cornerUvs(uint triangle, uint material, int use) {
                      transformedUv(transform, c.uv2));
 }
 
-// The material at barycentric coordinates `b` of a triangle. `footprint_over_area2` is what a look
-// stands for, of twice the triangle's area; 0 reads the finest level.
+// One of a material's textures at barycentric coordinates `b` of a triangle.
+// `footprint_over_area2` is what a look stands for, of twice the triangle's area; 0 reads the finest
+// level.
+vec4 textureAt(uint triangle, uint material, int use, vec3 b, float footprint_over_area2) {
+    CornerUvs c = cornerUvs(triangle, material, use);
+    float level = 0.0;
+    if (footprint_over_area2 > 0.0) {
+        vec2 d1 = c.uv1 - c.uv0;
+        vec2 d2 = c.uv2 - c.uv0;
+        ivec2 size = materials[material].textures[use].size;
+        float texels_seen =
+            footprint_over_area2 * abs(d1.x * d2.y - d1.y * d2.x) * float(size.x * size.y);
+        level = 0.5 * log2(max(texels_seen, 1.0));
+    }
+    return texelOf(material, use, b.x * c.uv0 + b.y * c.uv1 + b.z * c.uv2, level);
+}
+
 MaterialParams materialAt(uint triangle, uint material, vec3 b, float footprint_over_area2) {
     MaterialParams params = materials[material].params;
 #ifdef TEXTURED
     for (int use = 0; use < TEXTURE_USES; ++use) {
-        if (materials[material].textures[use].first < 0) {
-            continue;
+        if (materials[material].textures[use].first >= 0) {
+            params = withTexel(params, use,
+                               textureAt(triangle, material, use, b, footprint_over_area2));
         }
-        CornerUvs c = cornerUvs(triangle, material, use);
-        float level = 0.0;
-        if (footprint_over_area2 > 0.0) {
-            vec2 d1 = c.uv1 - c.uv0;
-            vec2 d2 = c.uv2 - c.uv0;
-            ivec2 size = materials[material].textures[use].size;
-            float texels_seen = footprint_over_area2 * abs(d1.x * d2.y - d1.y * d2.x) *
-                                float(size.x * size.y);
-            level = 0.5 * log2(max(texels_seen, 1.0));
-        }
-        vec2 uv = b.x * c.uv0 + b.y * c.uv1 + b.z * c.uv2;
-        params = withTexel(params, use, texelOf(material, use, uv, level));
     }
 #endif
 #ifdef CORNERS
@@ -163,7 +168,18 @@ Surface surfaceAt(uint triangle, vec3 origin, vec3 direction, float texel_solid_
     surface.lod_error = t.lod_error;
     float footprint = texel_solid_angle * surface.distance * surface.distance /
                       max(abs(dot(surface.n_g, wo)), 0.05);
-    surface.material = materialAt(triangle, t.material, vec3(b0, b1, b2), footprint / area2);
+    vec3 b = vec3(b0, b1, b2);
+    surface.material = materialAt(triangle, t.material, b, footprint / area2);
+#if defined(TEXTURED) && defined(CORNERS)
+    if (materials[t.material].textures[TEXTURE_USES].first >= 0) {
+        vec4 tangent = b.x * corners[3u * triangle].tangent +
+                       b.y * corners[3u * triangle + 1u].tangent +
+                       b.z * corners[3u * triangle + 2u].tangent;
+        vec4 texel = textureAt(triangle, t.material, TEXTURE_USES, b, footprint / area2);
+        surface.n = mappedNormal(n, tangent, texel, materials[t.material].normal_scale,
+                                 surface.n_g, wo);
+    }
+#endif
     return surface;
 }
 

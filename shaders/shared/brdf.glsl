@@ -148,10 +148,9 @@ FN vec3 interpolatedNormal(IN(vec3) sum, IN(vec3) n_g) {
     return length(sum) > 1e-6f ? normalize(sum) : n_g;
 }
 
-// The shading normal on the side of `n_g` (already facing the viewer), bent toward the viewer where
-// interpolation turned it away, so that dot(n, wo) >= MIN_VIEW_COSINE.
-FN vec3 shadingNormal(IN(vec3) n_interpolated, IN(vec3) n_g, IN(vec3) wo) {
-    vec3 n = dot(n_interpolated, n_g) < 0.0f ? -n_interpolated : n_interpolated;
+// A unit normal bent toward the viewer where it is turned away, so that
+// dot(n, wo) >= MIN_VIEW_COSINE.
+FN vec3 bentToViewer(IN(vec3) n, IN(vec3) n_g, IN(vec3) wo) {
     float NoV = dot(n, wo);
     if (NoV >= MIN_VIEW_COSINE) {
         return n;
@@ -163,6 +162,11 @@ FN vec3 shadingNormal(IN(vec3) n_interpolated, IN(vec3) n_g, IN(vec3) wo) {
     }
     return MIN_VIEW_COSINE * wo +
            sqrt(1.0f - MIN_VIEW_COSINE * MIN_VIEW_COSINE) / side_length * side;
+}
+
+// The shading normal: the interpolated one on the side of `n_g` (already facing the viewer).
+FN vec3 shadingNormal(IN(vec3) n_interpolated, IN(vec3) n_g, IN(vec3) wo) {
+    return bentToViewer(dot(n_interpolated, n_g) < 0.0f ? -n_interpolated : n_interpolated, n_g, wo);
 }
 
 #endif

@@ -90,6 +90,26 @@ FN MaterialParams withTexel(IN(MaterialParams) material, int use, IN(vec4) texel
     return m;
 }
 
+// The shading normal by a normal map. `tangent`: interpolated from the corners, w the bitangent's
+// sign; `texel`: as stored, (x, y) scaled by `scale`. Seen from the back all three axes turn over,
+// as in three.js. Where there is no tangent the surface stays smooth.
+FN vec3 mappedNormal(IN(vec3) n_interpolated, IN(vec4) tangent, IN(vec4) texel, float scale,
+                     IN(vec3) n_g, IN(vec3) wo) {
+    vec3 along = vec3(tangent.x, tangent.y, tangent.z);
+    float tangent_length = length(along);
+    if (!(tangent_length > 1e-6f)) {
+        return shadingNormal(n_interpolated, n_g, wo);
+    }
+    vec3 t = along / tangent_length;
+    vec3 b = cross(n_interpolated, t) * (tangent.w < 0.0f ? -1.0f : 1.0f);
+    vec3 m = scale * (2.0f * texel.x - 1.0f) * t + scale * (2.0f * texel.y - 1.0f) * b +
+             (2.0f * texel.z - 1.0f) * n_interpolated;
+    float side = dot(n_interpolated, n_g) < 0.0f ? -1.0f : 1.0f;
+    float m_length = length(m);
+    return m_length > 1e-6f ? bentToViewer(side / m_length * m, n_g, wo)
+                            : shadingNormal(n_interpolated, n_g, wo);
+}
+
 // The material with a vertex colour applied. An unlit one has its colour as emission.
 FN MaterialParams withVertexColor(IN(MaterialParams) material, IN(vec3) color, bool unlit) {
     MaterialParams m = material;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cache/estimate.h"
-#include "cache/placement.h"
-#include "cache/specular_rays.h"
+#include "cache/record_field.h"
+#include "glossy/specular_rays.h"
 
 namespace sheen {
 

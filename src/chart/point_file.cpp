@@ -107,11 +107,18 @@ std::string contentHash(const Scene& scene) {
     hash.add(scene.uvs);
     hash.add(scene.second_uvs);
     hash.add(scene.colors);
+    hash.add(scene.tangents);
     hash.add(scene.triangles);
     hash.add(scene.materials_of);
     for (const Material& material : scene.materials) {
         hash.add(&material.params, sizeof(material.params));
-        hash.add(&material.unlit, sizeof(material.unlit));
+        const float flags[] = {material.unlit ? 1.0f : 0.0f, material.single_sided ? 1.0f : 0.0f,
+                               material.alpha, material.alpha_cutoff};
+        hash.add(flags, sizeof(flags));
+        for (const TextureUse* use : {&material.alpha_texture, &material.normal_texture}) {
+            hash.add(use, sizeof(*use));
+        }
+        hash.add(&material.normal_scale, sizeof(material.normal_scale));
         for (const TextureUse& use : material.textures) {
             hash.add(&use, sizeof(use));
         }
@@ -131,6 +138,7 @@ std::string contentHash(const Scene& scene) {
     for (const Camera& camera : scene.cameras) {
         hash.add(&camera.world_from_camera, sizeof(camera.world_from_camera));
         hash.add(&camera.y_fov, sizeof(camera.y_fov));
+        hash.add(&camera.near, sizeof(camera.near));
     }
     if (!scene.environment.empty()) {
         const Environment& sky = scene.environment;

@@ -49,8 +49,12 @@ Json sceneJson(const std::string& path, const Scene& scene) {
                  {"textures", Json::array()},
                  {"lights", Json::array()},
                  {"cameras", Json::array()},
+                 {"features", Json::array()},
                  {"bounds", nullptr},
                  {"warnings", scene.warnings}};
+    for (const Scene::Feature& feature : scene.features) {
+        json["features"].push_back({{"name", feature.name}, {"treatment", feature.treatment}});
+    }
     for (const Material& material : scene.materials) {
         json["materials"].push_back(materialJson(scene, material));
     }
@@ -96,6 +100,9 @@ void printScene(const std::string& path, const Scene& scene) {
     if (!scene.bounds.empty()) {
         fmt::print("bounds {} to {}\n", placeFrom(scene, scene.bounds.lower),
                    placeFrom(scene, scene.bounds.upper));
+    }
+    for (const Scene::Feature& feature : scene.features) {
+        fmt::print("uses {}: {}\n", feature.name, feature.treatment);
     }
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& material = scene.materials[i];

@@ -11,7 +11,7 @@ namespace sheen {
 namespace {
 
 Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
-    return {.n = gbuffer.normal.pixels[i],
+    return {.n = gbuffer.mappedNormalAt(i),
             .brdf = {.diffuse = gbuffer.diffuse.pixels[i],
                      .alpha = shared::alphaFromRoughness(gbuffer.roughness.pixels[i]),
                      .f0 = gbuffer.f0.pixels[i],

@@ -23,7 +23,11 @@ void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_
     const Scatterer surface = scattererAt(scene, p, material);
     g.position.pixels[i] = p.position;
     g.depth.pixels[i] = depth;
-    g.normal.pixels[i] = surface.n;
+    const ShadingNormals normals = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo);
+    g.normal.pixels[i] = normals.smooth;
+    if (!g.mapped_normal.empty()) {
+        g.mapped_normal.pixels[i] = normals.mapped;
+    }
     g.diffuse.pixels[i] = surface.brdf.diffuse;
     g.f0.pixels[i] = surface.brdf.f0;
     g.f90.pixels[i] = surface.brdf.f90;
@@ -79,12 +83,15 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
         scene.environment.shows()) {
         result.emission = Image<vec3>(width, height);
     }
+    if (!scene.tangents.empty()) {
+        result.mapped_normal = Image<vec3>(width, height);
+    }
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
     parallelFor(height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             const CameraRay ray =
                 cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
-            const Hit hit = tracer.meetAlone(ray.origin, ray.direction);
+            const Hit hit = tracer.seeAlone(ray.origin, ray.direction);
             if (hit.found()) {
                 writePixel(scene, hit, ray.direction, static_cast<size_t>(y * width + x), result);
             } else if (scene.environment.shows()) {

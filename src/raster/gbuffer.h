@@ -15,9 +15,12 @@ namespace sheen {
 /// Row 0 on top. Pixels without geometry have depth 0 and triangle kNoPrimitive.
 struct GBuffer {
     PixelGrid image;
-    Image<vec3> position;    ///< world space
-    Image<float> depth;      ///< along the view axis
-    Image<vec3> normal;      ///< shading normal, world space
+    Image<vec3> position;  ///< world space
+    Image<float> depth;    ///< along the view axis
+    Image<vec3> normal;    ///< shading normal, world space
+    /// By normal maps, for direct light; empty where no material has one. Records stand on, and
+    /// serve, the smooth surface.
+    Image<vec3> mapped_normal;
     Image<vec3> diffuse;     ///< diffuse reflectance toward the camera
     Image<vec3> f0;          ///< specular F0
     Image<float> f90;        ///< specular F90
@@ -26,6 +29,10 @@ struct GBuffer {
     Image<vec3> emission;    ///< radiance; empty where no material emits and no sky shows
     Image<uint32_t> primitive;
 
+    /// By which direct light is scattered.
+    const vec3& mappedNormalAt(size_t i) const {
+        return (mapped_normal.empty() ? normal : mapped_normal).pixels[i];
+    }
     bool seen(size_t i) const { return depth.pixels[i] > 0.0f; }
     /// Where rays leave what pixel i sees, on the camera's side.
     SurfaceSide sideAt(const Scene& scene, size_t i) const {

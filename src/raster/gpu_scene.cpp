@@ -46,16 +46,18 @@ static_assert(sizeof(PackedTexture) == 4 * 16);
 struct PackedMaterial {
     MaterialParams params;
     int unlit;
-    int pad[3];
-    PackedTexture textures[shared::TEXTURE_USES];
+    float normal_scale;
+    int pad[2];
+    PackedTexture textures[shared::TEXTURE_USES + 1];  // the last: the normal's
 };
-static_assert(sizeof(PackedMaterial) == (4 + 4 * shared::TEXTURE_USES) * 16);
+static_assert(sizeof(PackedMaterial) == (4 + 4 * (shared::TEXTURE_USES + 1)) * 16);
 struct PackedCorner {
     vec4 color;
+    vec4 tangent;
     vec2 second_uv;
     vec2 pad;
 };
-static_assert(sizeof(PackedCorner) == 2 * 16);
+static_assert(sizeof(PackedCorner) == 3 * 16);
 static_assert(sizeof(PunctualLight) == 4 * 16);
 
 std::vector<PackedTriangle> packTriangles(const Scene& scene, const ClusteredMesh& mesh) {
@@ -96,7 +98,7 @@ std::vector<TrianglePlane> planesOf(const std::vector<PackedTriangle>& triangles
 // What most scenes' corners have not: [triangle][corner], empty where none has.
 std::vector<PackedCorner> packCorners(const Scene& scene, const ClusteredMesh& mesh) {
     std::vector<PackedCorner> packed;
-    if (scene.colors.empty() && scene.second_uvs.empty()) {
+    if (scene.colors.empty() && scene.second_uvs.empty() && scene.tangents.empty()) {
         return packed;
     }
     packed.reserve(3 * mesh.triangles.size());
@@ -105,6 +107,7 @@ std::vector<PackedCorner> packCorners(const Scene& scene, const ClusteredMesh& m
             const uint32_t v = t[corner];
             packed.push_back(
                 {.color = scene.colors.empty() ? vec4(1.0f) : scene.colors[v],
+                 .tangent = scene.tangents.empty() ? vec4(0.0f) : scene.tangents[v],
                  .second_uv = scene.second_uvs.empty() ? vec2(0.0f) : scene.second_uvs[v],
                  .pad = vec2(0.0f)});
         }
@@ -196,6 +199,8 @@ void uploadMaterials(const Scene& scene, GpuScene& gpu) {
         for (size_t use = 0; use < material.textures.size(); ++use) {
             packed.textures[use] = packTexture(scene, material.textures[use], chains);
         }
+        packed.normal_scale = material.normal_scale;
+        packed.textures[shared::TEXTURE_USES] = packTexture(scene, material.normal_texture, chains);
         materials.push_back(packed);
     }
     gpu.materials = gl::makeBuffer(std::span<const PackedMaterial>(materials));

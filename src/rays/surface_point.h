@@ -75,11 +75,8 @@ struct Scatterer {
 /// Of the material that materialAt() finds at the point.
 inline Scatterer scattererAt(const Scene& scene, const SurfacePoint& p,
                              const MaterialParams& material) {
-    const uvec3& t = scene.triangles[p.triangle];
-    const vec3& b = p.barycentric;
-    const vec3 n = b.x * scene.normals[t.x] + b.y * scene.normals[t.y] + b.z * scene.normals[t.z];
     Scatterer surface;
-    surface.n = shared::shadingNormal(shared::interpolatedNormal(n, p.n_g), p.n_g, p.wo);
+    surface.n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo).mapped;
     // A Lambertian surface needs no albedo of a lobe it does not have.
     surface.brdf =
         shared::makeBrdf(material, isLambertian(material)

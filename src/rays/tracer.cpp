@@ -3,6 +3,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "core/error.h"
@@ -38,6 +39,21 @@ void setRay(RTCRay8& rays, int lane, const vec3& origin, const vec3& direction, 
     rays.flags[lane] = 0;
 }
 
+// Takes the holes of masks out of what rays meet.
+void passHoles(const RTCFilterFunctionNArguments* met) {
+    const Scene& scene = *static_cast<const Scene*>(met->geometryUserPtr);
+    for (unsigned int k = 0; k < met->N; ++k) {
+        if (met->valid[k] == 0) {
+            continue;
+        }
+        const float u = RTCHitN_u(met->hit, met->N, k);
+        const float v = RTCHitN_v(met->hit, met->N, k);
+        if (isHole(scene, RTCHitN_primID(met->hit, met->N, k), vec3(1.0f - u - v, u, v))) {
+            met->valid[k] = 0;
+        }
+    }
+}
+
 }  // namespace
 
 Tracer::Tracer(const Scene& scene) : scene_(scene) {
@@ -68,6 +84,13 @@ void Tracer::build() {
         if (allocated) {
             std::memcpy(vertices, scene_.positions.data(), scene_.positions.size() * sizeof(vec3));
             std::memcpy(indices, scene_.triangles.data(), scene_.triangles.size() * sizeof(uvec3));
+            if (std::any_of(scene_.materials.begin(), scene_.materials.end(),
+                            [](const Material& m) { return m.masked(); })) {
+                // Embree hands the pointer back, and nothing writes to what it names.
+                rtcSetGeometryUserData(geometry, const_cast<Scene*>(&scene_));
+                rtcSetGeometryIntersectFilterFunction(geometry, &passHoles);
+                rtcSetGeometryOccludedFilterFunction(geometry, &passHoles);
+            }
             rtcCommitGeometry(geometry);
             rtcAttachGeometry(embree_.get(), geometry);
         }
@@ -115,7 +138,16 @@ void Tracer::meet(const Rays& rays, Hit* hits, vec3* planes) const {
     }
 }
 
-Hit Tracer::meetAlone(const vec3& origin, const vec3& direction) const {
+Hit Tracer::seeAlone(const vec3& origin, const vec3& direction) const {
+    Hit hit = meetAlone(origin, direction, 0.0f);
+    while (hit.back && scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
+        hit = meetAlone(origin, direction, std::nextafter(hit.distance, kInfinity));
+    }
+    return hit;
+}
+
+// From a distance on.
+Hit Tracer::meetAlone(const vec3& origin, const vec3& direction, float from) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit met{};
@@ -125,6 +157,7 @@ Hit Tracer::meetAlone(const vec3& origin, const vec3& direction) const {
     met.ray.dir_x = direction.x;
     met.ray.dir_y = direction.y;
     met.ray.dir_z = direction.z;
+    met.ray.tnear = from;
     met.ray.tfar = kInfinity;
     met.ray.mask = 0xffffffffu;
     met.hit.geomID = RTC_INVALID_GEOMETRY_ID;

@@ -66,9 +66,9 @@ class Tracer {
     /// distance 1 / dot(plane, d); zero where nothing is met.
     void meet(const Rays& rays, Hit* hits, vec3* planes = nullptr) const;
 
-    /// The same for a ray that is cast alone: which of two triangles owns a ray through their
-    /// common edge differs by how many are cast together.
-    Hit meetAlone(const vec3& origin, const vec3& direction) const;
+    /// What a camera's ray sees: it passes the backs of single-sided materials. Cast alone: which
+    /// of two triangles owns a ray through their common edge differs by how many are cast together.
+    Hit seeAlone(const vec3& origin, const vec3& direction) const;
 
     /// On which of at most kPacket ways nothing lies: bit k is the k-th one's, 0 where not asked.
     uint32_t free(std::span<const Way> ways) const;
@@ -81,6 +81,7 @@ class Tracer {
         void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
     };
     void build();
+    Hit meetAlone(const vec3& origin, const vec3& direction, float from) const;
 
     const Scene& scene_;
     std::unique_ptr<RTCDeviceTy, ReleaseDevice> device_;

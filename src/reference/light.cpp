@@ -184,7 +184,7 @@ std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int 
     const CameraRay ray = cameraRay(camera, frame.width(), frame.height(), static_cast<float>(x),
                                     static_cast<float>(y));
     ++counters.rays;
-    const RayHit hit = rays.intersect(ray.origin, ray.direction);
+    const RayHit hit = rays.see(ray.origin, ray.direction);
     if (!hit.found()) {
         const Environment& sky = rays.scene().environment;
         frame.emission.at(x, y) = sky.shows() ? sky.radiance(ray.direction) : vec3(0.0f);

@@ -2,6 +2,7 @@
 
 #include <tbb/task_arena.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "core/error.h"
@@ -30,6 +31,33 @@ RTCRay makeRay(const vec3& origin, const vec3& direction, float tfar) {
     ray.tfar = tfar;
     ray.mask = 0xffffffffu;
     return ray;
+}
+
+RTCRayHit makeRayHit(const RTCRay& ray) {
+    RTCRayHit hit{};
+    hit.ray = ray;
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return hit;
+}
+
+RayHit hitOf(const RTCRayHit& ray) {
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        return {};
+    }
+    return {.triangle = ray.hit.primID, .u = ray.hit.u, .v = ray.hit.v};
+}
+
+// What a mask leaves out, a ray does not meet.
+void rejectMasked(const RTCFilterFunctionNArguments* a) {
+    const auto* scene = static_cast<const Scene*>(a->geometryUserPtr);
+    for (unsigned int i = 0; i < a->N; ++i) {
+        const float u = RTCHitN_u(a->hit, a->N, i), v = RTCHitN_v(a->hit, a->N, i);
+        if (a->valid[i] != 0 &&
+            isHole(*scene, RTCHitN_primID(a->hit, a->N, i), vec3(1.0f - u - v, u, v))) {
+            a->valid[i] = 0;
+        }
+    }
 }
 
 void setRay(RTCRay8& packet, size_t k, const ShadowRay& ray) {
@@ -86,6 +114,13 @@ void RayScene::build() {
         checkEmbree(device_.get(), "allocating the geometry");
         std::memcpy(vertices, scene_.positions.data(), scene_.positions.size() * sizeof(vec3));
         std::memcpy(indices, scene_.triangles.data(), scene_.triangles.size() * sizeof(uvec3));
+        for (const Material& material : scene_.materials) {
+            if (material.masked()) {
+                rtcSetGeometryUserData(geometry, const_cast<Scene*>(&scene_));
+                rtcSetGeometryIntersectFilterFunction(geometry, &rejectMasked);
+                rtcSetGeometryOccludedFilterFunction(geometry, &rejectMasked);
+            }
+        }
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(embree_.get(), geometry);
         rtcReleaseGeometry(geometry);
@@ -97,15 +132,27 @@ void RayScene::build() {
 RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRayHit ray{};
-    ray.ray = makeRay(origin, direction, kInfinity);
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit ray = makeRayHit(makeRay(origin, direction, kInfinity));
     rtcIntersect1(embree_.get(), &context, &ray);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
-        return {};
+    return hitOf(ray);
+}
+
+RayHit RayScene::see(const vec3& origin, const vec3& direction) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit ray = makeRayHit(makeRay(origin, direction, kInfinity));
+    while (true) {
+        rtcIntersect1(embree_.get(), &context, &ray);
+        const RayHit hit = hitOf(ray);
+        if (!hit.found() || glm::dot(n_g_[hit.triangle], direction) < 0.0f ||
+            !scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
+            return hit;
+        }
+        // On from the back.
+        const float passed = ray.ray.tfar;
+        ray = makeRayHit(makeRay(origin, direction, kInfinity));
+        ray.ray.tnear = std::nextafter(passed, kInfinity);
     }
-    return {.triangle = ray.hit.primID, .u = ray.hit.u, .v = ray.hit.v};
 }
 
 bool RayScene::occluded(const ShadowRay& shadow) const {
@@ -170,9 +217,7 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
     s.n_g = shared::faceViewer(n_g_[hit.triangle], wo);
     const vec3 largest = glm::max(glm::abs(p0), glm::max(glm::abs(p1), glm::abs(p2)));
     s.offset = kOffsetUlps * kUlp * (maxAbs(s.position) + glm::dot(glm::abs(s.n_g), largest));
-    const vec3 n =
-        w * scene_.normals[t.x] + hit.u * scene_.normals[t.y] + hit.v * scene_.normals[t.z];
-    s.n = shared::shadingNormal(shared::interpolatedNormal(n, s.n_g), s.n_g, wo);
+    s.n = normalsAt(scene_, hit.triangle, vec3(w, hit.u, hit.v), s.n_g, wo).mapped;
 
     // Look up the material.
     const MaterialParams material = materialAt(scene_, hit.triangle, vec3(w, hit.u, hit.v));

@@ -54,6 +54,8 @@ class RayScene {
 
     /// The closest hit of origin + t * direction, t >= 0.
     RayHit intersect(const vec3& origin, const vec3& direction) const;
+    /// The same for a camera's ray, which does not see the backs of single-sided materials.
+    RayHit see(const vec3& origin, const vec3& direction) const;
     /// Whether anything lies on the way.
     bool occluded(const ShadowRay& ray) const;
 

@@ -7,7 +7,7 @@
 #include "baselines/denoise.h"
 #include "baselines/irradiance_cache.h"
 #include "cache/estimate.h"
-#include "cache/placement.h"
+#include "cache/fill.h"
 #include "cache/probes.h"
 #include "core/error.h"
 #include "core/memory.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "cache/placement.h"
-#include "cache/specular_rays.h"
+#include "cache/placement_params.h"
+#include "glossy/specular_rays.h"
 #include "hemisphere/hemisphere.h"
 #include "image/frame.h"
 #include "render/gather_road.h"

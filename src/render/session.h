@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "cache/placement.h"
-#include "cache/specular_rays.h"
+#include "cache/fill.h"
 #include "gl/worker_pool.h"
+#include "glossy/specular_rays.h"
 #include "light/scattered_once.h"
 #include "raster/gpu_scene.h"
 #include "rays/tracer.h"

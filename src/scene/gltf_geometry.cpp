@@ -23,6 +23,7 @@ struct Primitive {
     std::vector<vec2> uvs;      // empty: zero
     std::vector<vec2> second_uvs;
     std::vector<vec4> colors;  // empty: white
+    std::vector<vec4> tangents;
     std::vector<uvec3> triangles;
 };
 
@@ -132,6 +133,11 @@ Primitive readPrimitive(File& file, const tinygltf::Primitive& source, const std
         primitive.colors = readColors(file, attribute("COLOR_0"), where + ", COLOR_0");
         check_count("COLOR_0", primitive.colors.size(), count);
     }
+    if (attribute("TANGENT") != -1) {
+        primitive.tangents = asVectors<vec4>(
+            readFloats(file, attribute("TANGENT"), 4, quantized, where + ", TANGENT"));
+        check_count("TANGENT", primitive.tangents.size(), count);
+    }
     std::vector<uint32_t> indices;
     if (source.indices != -1) {
         indices = readIndices(file, source.indices, count, where + ", indices");
@@ -164,6 +170,13 @@ void transform(Primitive& primitive, const glm::dmat4& world_from_mesh) {
         const glm::dvec3 world = side * (cofactor * glm::dvec3(n));
         const double length = glm::length(world);
         n = length > 0.0 && std::isfinite(length) ? vec3(world / length) : vec3(0.0f);
+    }
+    for (vec4& t : primitive.tangents) {
+        const glm::dvec3 world = linear * glm::dvec3(t);
+        const double length = glm::length(world);
+        const bool sound = length > 0.0 && std::isfinite(length);
+        t = vec4(sound ? vec3(world / length) : vec3(0.0f),
+                 (t.w < 0.0f) == (determinant < 0.0) ? 1.0f : -1.0f);
     }
     if (determinant < 0.0) {
         for (uvec3& t : primitive.triangles) {
@@ -271,6 +284,10 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
     if (!primitive.colors.empty()) {
         scene.colors.resize(scene.positions.size(), vec4(1.0f));
     }
+    if (!primitive.tangents.empty()) {
+        scene.tangents.resize(scene.positions.size(), vec4(0.0f));
+    }
+    const bool with_tangents = !primitive.tangents.empty() || !scene.tangents.empty();
     const bool with_second_uvs = !primitive.second_uvs.empty() || !scene.second_uvs.empty();
     const bool with_colors = !primitive.colors.empty() || !scene.colors.empty();
     const auto add_vertex = [&](uint32_t vertex, const vec3& normal) {
@@ -284,6 +301,10 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
         if (with_colors) {
             scene.colors.push_back(primitive.colors.empty() ? vec4(1.0f)
                                                             : primitive.colors[vertex]);
+        }
+        if (with_tangents) {
+            scene.tangents.push_back(primitive.tangents.empty() ? vec4(0.0f)
+                                                                : primitive.tangents[vertex]);
         }
         scene.bounds.add(primitive.positions[vertex]);
         return index;
@@ -353,7 +374,15 @@ void appendMesh(File& file, int mesh_index, const glm::dmat4& world_from_mesh, S
         transform(primitive, world_from_mesh);
         dropDegenerate(file, primitive);
         mendNormals(file, primitive);
+        const bool mapped = scene.materials[material].normal_texture.used();
+        if (!mapped || primitive.normals.empty()) {
+            primitive.tangents.clear();  // flat normals are not those that tangents were made for
+        }
+        const size_t first_triangle = scene.triangles.size();
         append(file, primitive, material, scene);
+        if (mapped && primitive.tangents.empty()) {
+            makeTangents(scene, first_triangle);
+        }
     }
 }
 

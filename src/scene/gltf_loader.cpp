@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/memory.h"
+#include "scene/defaults.h"
 #include "scene/gltf_parts.h"
 #include "scene/sun.h"
 
@@ -90,15 +91,15 @@ std::string firstName(const std::string& own, const std::string& node, const cha
 void appendCamera(File& file, const tinygltf::Node& node, const glm::dmat4& world_from_node,
                   const std::string& where, Scene& scene) {
     const tinygltf::Camera& source = file.at(file.model.cameras, node.camera, where, "camera");
-    if (source.type != "perspective") {
-        file.notes.add("orthographic cameras are not supported: camera left out");
-        return;
-    }
     const std::string camera_where = fmt::format("camera {}", node.camera);
-    const double y_fov = source.perspective.yfov;
+    const bool parallel = source.type == "orthographic";
+    const double y_fov = parallel ? Camera().y_fov : source.perspective.yfov;
     const bool in_range = y_fov > 0.0 && y_fov < 4.0;  // that a float holds
     if (!in_range || !(static_cast<float>(y_fov) > 0.0f) || !(static_cast<float>(y_fov) < kPi)) {
         file.fail(camera_where, "yfov must lie between 0 and pi radians, but is {}", y_fov);
+    }
+    if (parallel && !(source.orthographic.ymag > 0.0)) {
+        file.fail(camera_where, "ymag must be positive, but is {}", source.orthographic.ymag);
     }
     // Only where it stands and looks: a camera's node may be scaled or mirrored.
     const glm::dvec3 back = glm::normalize(glm::dvec3(world_from_node[2]));
@@ -116,6 +117,33 @@ void appendCamera(File& file, const tinygltf::Node& node, const glm::dmat4& worl
          .y_fov = static_cast<float>(y_fov),
          .aspect = std::max(0.0f, finiteFloat(file, source.perspective.aspectRatio, camera_where,
                                               "aspectRatio"))});
+    if (parallel) {
+        file.parallel_cameras.push_back(
+            {.camera = scene.cameras.size() - 1,
+             .half_height = finiteFloat(file, source.orthographic.ymag, camera_where, "ymag"),
+             .near = finiteFloat(file, source.orthographic.znear, camera_where, "znear")});
+    }
+}
+
+// Parallel cameras become ones of perspective, so far away that what they see hardly converges:
+// it is as large as it should be at the scene's middle. What lay behind them stays unseen.
+void placeParallelCameras(File& file, Scene& scene) {
+    constexpr float kDistance = 200.0f;  // of the scene's size: 1/400 larger or smaller at its ends
+    for (const File::ParallelCamera& parallel : file.parallel_cameras) {
+        Camera& camera = scene.cameras[parallel.camera];
+        const float back = kDistance * std::max(scene.bounds.size(), parallel.half_height);
+        const vec3 axis(camera.world_from_camera[2]);
+        const float to_middle =
+            scene.bounds.empty()
+                ? 0.0f
+                : glm::dot(axis, vec3(camera.world_from_camera[3]) - scene.bounds.center());
+        camera.world_from_camera[3] += vec4(back * axis, 0.0f);
+        camera.near = back + std::max(parallel.near, 0.0f);
+        camera.y_fov = 2.0f * std::atan(parallel.half_height / (back + to_middle));
+        file.notes.add(
+            "orthographic camera is approximated: seen from afar, in perspective that converges "
+            "by less than 1 in 200");
+    }
 }
 
 // Sets a spot's cone as KHR_lights_punctual recommends, but for the least difference of cosines
@@ -218,13 +246,65 @@ std::vector<int> rootNodes(const File& file) {
     return roots;
 }
 
+// EXT_mesh_gpu_instancing: where a node's mesh stands, each time; once without.
+std::vector<glm::dmat4> instancesOf(const File& file, const tinygltf::Node& node,
+                                    const std::string& node_where) {
+    const auto found = node.extensions.find("EXT_mesh_gpu_instancing");
+    if (found == node.extensions.end() || !found->second.Has("attributes")) {
+        return {glm::dmat4(1.0)};
+    }
+    const std::string where = node_where + ", EXT_mesh_gpu_instancing";
+    const tinygltf::Value& attributes = found->second.Get("attributes");
+    std::vector<glm::dmat4> transforms;
+    const auto read = [&](const char* name, int components) {
+        std::vector<float> values;
+        const int accessor = integerMember(file, attributes, name, -1, where);
+        if (accessor != -1) {
+            values = readFloats(file, accessor, components, Integers::kAny, where);
+            const size_t count = values.size() / static_cast<size_t>(components);
+            if (!transforms.empty() && transforms.size() != count) {
+                file.fail(where, "its attributes differ in length; export the file again");
+            }
+            transforms.resize(count, glm::dmat4(1.0));
+        }
+        return values;
+    };
+    const std::vector<float> translations = read("TRANSLATION", 3);
+    const std::vector<float> rotations = read("ROTATION", 4);
+    const std::vector<float> scales = read("SCALE", 3);
+    for (size_t i = 0; i < transforms.size(); ++i) {
+        glm::dmat4& transform = transforms[i];
+        if (!translations.empty()) {
+            transform[3] = glm::dvec4(glm::make_vec3(&translations[3 * i]), 1.0);
+        }
+        if (!rotations.empty()) {
+            const float* q = &rotations[4 * i];
+            const glm::dquat rotation(q[3], q[0], q[1], q[2]);
+            transform *= glm::mat4_cast(glm::normalize(rotation));
+        }
+        for (int c = 0; c < 3 && !scales.empty(); ++c) {
+            transform[c] *= scales[3 * i + static_cast<size_t>(c)];
+        }
+        for (int c = 0; c < 16; ++c) {
+            finiteFloat(file, transform[c / 4][c % 4], where, "transform element");
+        }
+        if (glm::length(glm::dvec3(transform[3])) > kLargestExtent) {
+            file.fail(where, "an instance lies more than {} m away; move it closer",
+                      kLargestExtent);
+        }
+    }
+    return transforms;
+}
+
 void appendNode(File& file, const tinygltf::Node& node, const glm::dmat4& file_from_node,
                 const std::string& where, Scene& scene) {
     glm::dmat4 world_from_node = file_from_node;
     world_from_node[3] -= glm::dvec4(scene.origin, 0.0);
     if (node.mesh != -1) {
         file.at(file.model.meshes, node.mesh, where, "mesh");
-        appendMesh(file, node.mesh, world_from_node, scene);
+        for (const glm::dmat4& node_from_instance : instancesOf(file, node, where)) {
+            appendMesh(file, node.mesh, world_from_node * node_from_instance, scene);
+        }
     }
     if (node.skin != -1) {
         file.notes.add("skins are not supported: mesh shown as it was before skinning");
@@ -302,6 +382,7 @@ void flatten(File& file, const std::string& camera, Scene& scene) {
     }
     // Anew from doubles, since what is there has lost digits.
     file.notes = notes;
+    file.parallel_cameras.clear();
     Scene again;
     again.materials = std::move(scene.materials);
     again.textures = std::move(scene.textures);
@@ -316,6 +397,21 @@ void checkMeshMemory(const File& file) {
     constexpr uint64_t kBytesPerCorner = 96;  // a vertex each, while arrays grow
     const tinygltf::Model& model = file.model;
     uint64_t corners = 0;
+    const auto instances = [&](const tinygltf::Node& node) {
+        uint64_t most = 1;
+        const auto found = node.extensions.find("EXT_mesh_gpu_instancing");
+        for (const char* name : {"TRANSLATION", "ROTATION", "SCALE"}) {
+            if (found != node.extensions.end() && found->second.Has("attributes") &&
+                found->second.Get("attributes").Has(name)) {
+                const auto index = static_cast<size_t>(integerMember(
+                    file, found->second.Get("attributes"), name, -1, "EXT_mesh_gpu_instancing"));
+                most = index < model.accessors.size()
+                           ? std::max(most, accessorCount(file, model.accessors[index]))
+                           : most;
+            }
+        }
+        return most;
+    };
     for (const tinygltf::Node& node : model.nodes) {
         if (node.mesh < 0 || static_cast<size_t>(node.mesh) >= model.meshes.size()) {
             continue;
@@ -327,7 +423,8 @@ void checkMeshMemory(const File& file) {
                               : position == p.attributes.end() ? -1
                                                                : position->second;
             if (index >= 0 && static_cast<size_t>(index) < model.accessors.size()) {
-                corners += accessorCount(file, model.accessors[static_cast<size_t>(index)]);
+                corners += instances(node) *
+                           accessorCount(file, model.accessors[static_cast<size_t>(index)]);
             }
         }
     }
@@ -411,38 +508,6 @@ void checkLightLevel(const File& file, const Scene& scene) {
     }
 }
 
-// Looks at the centre of the bounds from the front, a little from above, with all of them in view.
-Camera framingCamera(const Bounds& bounds) {
-    Camera camera{.name = "default"};
-    if (bounds.empty()) {
-        return camera;
-    }
-    const vec3 back = glm::normalize(vec3(0.35f, 0.3f, 1.0f));
-    const vec3 right = glm::normalize(glm::cross(vec3(0.0f, 1.0f, 0.0f), back));
-    const vec3 up = glm::cross(back, right);
-    const float distance = 0.5f * bounds.size() / std::sin(0.5f * camera.y_fov);
-    camera.world_from_camera = mat4(vec4(right, 0.0f), vec4(up, 0.0f), vec4(back, 0.0f),
-                                    vec4(bounds.center() + distance * back, 1.0f));
-    return camera;
-}
-
-bool isDark(const Scene& scene) {
-    return scene.lights.empty() && scene.environment.empty() &&
-           std::all_of(scene.materials_of.begin(), scene.materials_of.end(),
-                       [&](uint32_t material) { return !scene.materials[material].emits(); });
-}
-
-// From above, to the left of the framing camera. White that faces it has radiance 1.
-PunctualLight framingSun() {
-    PunctualLight sun{};
-    sun.kind = shared::LIGHT_DIRECTIONAL;
-    sun.direction = glm::normalize(vec3(0.4f, -1.0f, -0.6f));
-    sun.intensity = vec3(kPi);
-    sun.spot_offset = 1.0f;
-    sun.cos_outer = -1.0f;
-    return sun;
-}
-
 }  // namespace
 }  // namespace gltf
 
@@ -456,12 +521,14 @@ Scene loadScene(const std::string& path, const std::string& camera,
         gltf::checkMeshMemory(file);
         gltf::flatten(file, camera, scene);
         gltf::checkExtent(file, scene);
+        gltf::placeParallelCameras(file, scene);
         gltf::checkLightLevel(file, scene);
         gltf::separateCoplanar(file, scene);
     } catch (const std::bad_alloc&) {
         throwEnvironment("{}: not enough memory to load it", path);
     }
     gltf::noteIgnoredParts(file);
+    gltf::listFeatures(file, scene);
     std::vector<std::string> sky_warnings;
     scene.environment = loadEnvironment(environment, file.read, sky_warnings);
     for (const std::string& warning : sky_warnings) {
@@ -476,20 +543,21 @@ Scene loadScene(const std::string& path, const std::string& camera,
     }
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");
-    } else if (gltf::isDark(scene)) {
-        scene.lights.push_back(gltf::framingSun());
-        scene.light_names.push_back("default");
-        file.notes.add(
-            "the scene has no light and nothing that emits: lit by a sun from above; "
-            "export it with its lights (KHR_lights_punctual) to see it in those");
     }
     if (scene.cameras.empty()) {
-        scene.cameras.push_back(gltf::framingCamera(scene.bounds));
+        scene.cameras.push_back(framingCamera(scene.bounds));
         if (!scene.triangles.empty()) {
             file.notes.add(
-                "the scene has no perspective camera: seen from the front, all of it in view; "
+                "the scene has no camera: seen from the front, all of it in view; "
                 "export it with a camera to see it from there");
         }
+    }
+    if (!scene.triangles.empty() && environment.source != "none" && isDark(scene)) {
+        scene.lights.push_back(keyLight(scene.cameras.front()));
+        scene.light_names.push_back("default");
+        file.notes.add(
+            "the scene has no light and nothing that emits: lit by a sun from above, to the left "
+            "of its first view; --environment lights it by a sky or, by none, not at all");
     }
     scene.files = std::move(file.read);
     scene.files.push_back(path);

@@ -36,24 +36,15 @@ void readSpecular(File& file, const tinygltf::Value& extension, const std::strin
     }
 }
 
-// Notes what a material asks for beyond what is loaded.
-void noteUnsupported(File& file, const tinygltf::Material& source) {
-    if (source.normalTexture.index != -1) {
-        file.notes.add("normal textures are not supported and left out: material affected");
-    }
-    if (source.alphaMode != "OPAQUE") {
-        file.notes.add(fmt::format("alphaMode {} is not supported: material shown opaque",
-                                   oneLine(source.alphaMode)));
-    }
-}
-
 // One of the textures of an extension.
 TextureInfo memberTexture(const File& file, const tinygltf::Value& extension, const char* key,
                           const std::string& where) {
     return extension.Has(key) ? textureInfo(file, extension.Get(key), where) : TextureInfo{};
 }
 
-TextureInfo infoOf(const tinygltf::TextureInfo& source) {
+// Of a texture of the core specification.
+template <class Source>
+TextureInfo infoOf(const Source& source) {
     const auto found = source.extensions.find("KHR_texture_transform");
     return {.index = source.index,
             .uv_set = source.texCoord,
@@ -68,6 +59,8 @@ void loadTextures(const File& file, const tinygltf::Material& source, const std:
     textures[shared::TEXTURE_METALLIC_ROUGHNESS] =
         loader.use(infoOf(pbr.metallicRoughnessTexture), false, where);
     textures[shared::TEXTURE_EMISSION] = loader.use(infoOf(source.emissiveTexture), true, where);
+    material.normal_texture = loader.use(infoOf(source.normalTexture), false, where);
+    material.normal_scale = finiteFloat(file, source.normalTexture.scale, where, "scale");
     if (source.emissiveTexture.index != -1 && !textures[shared::TEXTURE_EMISSION].used()) {
         // The factor without its texture, mostly black, would make all of the surface shine.
         material.params.emission = vec3(0.0f);
@@ -78,6 +71,27 @@ void loadTextures(const File& file, const tinygltf::Material& source, const std:
             memberTexture(file, specular->second, "specularTexture", where), false, where);
         textures[shared::TEXTURE_SPECULAR_COLOR] = loader.use(
             memberTexture(file, specular->second, "specularColorTexture", where), true, where);
+    }
+}
+
+// What is left of it, and on which sides.
+void readCoverage(File& file, const tinygltf::Material& source, const std::string& where,
+                  Material& material) {
+    constexpr float kHalf = 0.5f;
+    material.single_sided = !source.doubleSided;
+    material.alpha = clampedFactor(file, source.pbrMetallicRoughness.baseColorFactor[3], 1.0, where,
+                                   "baseColorFactor");
+    if (source.alphaMode == "MASK") {
+        material.alpha_cutoff = finiteFloat(file, source.alphaCutoff, where, "alphaCutoff");
+    } else if (source.alphaMode == "BLEND") {
+        material.alpha_cutoff = kHalf;
+        file.notes.add("alphaMode BLEND is approximated: opaque where alpha is a half or more");
+    } else if (source.alphaMode != "OPAQUE") {
+        file.notes.add(fmt::format("alphaMode {} is unknown: material shown opaque",
+                                   oneLine(source.alphaMode)));
+    }
+    if (material.masked()) {
+        material.alpha_texture = material.textures[shared::TEXTURE_BASE_COLOR];
     }
 }
 
@@ -92,6 +106,7 @@ void makeUnlit(Material& material) {
                        .roughness = 1.0f};
     const TextureUse color = material.textures[shared::TEXTURE_BASE_COLOR];
     material.textures = {};
+    material.normal_texture = {};
     material.textures[shared::TEXTURE_EMISSION] = color;
 }
 
@@ -125,10 +140,10 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
                                            std::numeric_limits<float>::max(), where, "emission");
     }
     loadTextures(file, source, where, loader, material);
+    readCoverage(file, source, where, material);
     if (source.extensions.count("KHR_materials_unlit") > 0) {
         makeUnlit(material);
     }
-    noteUnsupported(file, source);
     return material;
 }
 

@@ -32,6 +32,12 @@ struct File {
     std::vector<std::string> read = {};  ///< files that `path` names
     tinygltf::Model model;
     Notes notes;
+    /// Cameras of Scene without perspective, until the scene's size is known.
+    struct ParallelCamera {
+        size_t camera;
+        float half_height, near;
+    };
+    std::vector<ParallelCamera> parallel_cameras = {};
 
     /// Throws an input error that names the file: where in it, and what is wrong and how to mend
     /// it.
@@ -61,6 +67,9 @@ void parse(File& file);
 
 /// Notes what the file as a whole asks for and does not get: extensions, animations.
 void noteIgnoredParts(File& file);
+
+/// Fills Scene::features.
+void listFeatures(const File& file, Scene& scene);
 
 /// Such as "node 3 (lamp)"; the name may be any text.
 std::string label(const char* kind, size_t index, const std::string& name);
@@ -124,6 +133,11 @@ void loadMaterials(File& file, Scene& scene);
 
 /// Appends a mesh, transformed to world space.
 void appendMesh(File& file, int mesh, const glm::dmat4& world_from_mesh, Scene& scene);
+
+/// Tangents of the vertices of a mesh's triangles, from `first_triangle` on to the scene's end, by
+/// the coordinates of the material's normal texture: each triangle's weighed by its angles, as
+/// MikkTSpace does. A vertex where mirrored coordinates meet is made two.
+void makeTangents(Scene& scene, size_t first_triangle);
 
 /// Where surfaces of different materials that face one way lie in one plane, the later of them in
 /// the file is put in front of the other, and noted. Each would win in places otherwise, others for

@@ -111,6 +111,26 @@ std::vector<vec4> linearTexels(const Scene& scene, const Texture& texture) {
     return texels;
 }
 
+ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                         const vec3& n_g, const vec3& wo) {
+    const uvec3& t = scene.triangles[triangle];
+    const auto interpolated = [&](const auto& values) {
+        return barycentric.x * values[t.x] + barycentric.y * values[t.y] +
+               barycentric.z * values[t.z];
+    };
+    const vec3 n = shared::interpolatedNormal(interpolated(scene.normals), n_g);
+    ShadingNormals normals;
+    normals.smooth = normals.mapped = shared::shadingNormal(n, n_g, wo);
+    const Material& material = scene.materials[scene.materials_of[triangle]];
+    if (material.normal_texture.used() && !scene.tangents.empty()) {
+        normals.mapped =
+            shared::mappedNormal(n, interpolated(scene.tangents),
+                                 texelAt(scene, triangle, barycentric, material.normal_texture),
+                                 material.normal_scale, n_g, wo);
+    }
+    return normals;
+}
+
 MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
     const Material& material = scene.materials[scene.materials_of[triangle]];
     MaterialParams params = material.params;
@@ -141,6 +161,19 @@ vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) 
         emission *= vec3(vertexColorAt(scene, triangle, barycentric));
     }
     return emission;
+}
+
+bool isHole(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
+    const Material& material = scene.materials[scene.materials_of[triangle]];
+    if (!material.masked()) {
+        return false;
+    }
+    float alpha = material.alpha;
+    if (material.alpha_texture.used()) {
+        alpha *= texelAt(scene, triangle, barycentric, material.alpha_texture).w;
+    }
+    alpha *= vertexColorAt(scene, triangle, barycentric).w;
+    return alpha < material.alpha_cutoff;
 }
 
 vec3 meanEmission(const Scene& scene, uint32_t triangle) {

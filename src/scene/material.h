@@ -58,8 +58,17 @@ struct Material {
     std::string name;       ///< one line
     MaterialParams params;  ///< factors, which the textures multiply
     std::array<TextureUse, shared::TEXTURE_USES> textures;  ///< by what they are for
+    TextureUse normal_texture = {};
+    float normal_scale = 1.0f;
     /// Shows its colour whatever the light: that is its emission, and it scatters nothing.
     bool unlit = false;
+
+    /// Its back is not seen by cameras; it hides and scatters light like its front.
+    bool single_sided = false;
+    float alpha = 1.0f;  ///< factor, which texture and vertices multiply
+    /// What has less alpha is not there; 0: all of it is.
+    float alpha_cutoff = 0.0f;
+    TextureUse alpha_texture = {};
 
     bool textured() const {
         for (const TextureUse& use : textures) {
@@ -67,8 +76,10 @@ struct Material {
                 return true;
             }
         }
-        return false;
+        return normal_texture.used();
     }
+    /// Whether some point of it may be missing.
+    bool masked() const { return alpha_cutoff > 0.0f; }
     /// Whether some point of it does.
     bool emits() const { return params.emission != vec3(0.0f); }
 };

@@ -36,8 +36,9 @@ CameraRay cameraRay(const Camera& camera, int width, int height, float x, float 
     const vec3 direction_camera(
         (2.0f * (x + 0.5f) / static_cast<float>(width) - 1.0f) * tan_half * aspect,
         (1.0f - 2.0f * (y + 0.5f) / static_cast<float>(height)) * tan_half, -1.0f);
-    return {.origin = vec3(camera.world_from_camera[3]),
-            .direction = glm::normalize(mat3(camera.world_from_camera) * direction_camera)};
+    const vec3 way = mat3(camera.world_from_camera) * direction_camera;
+    return {.origin = vec3(camera.world_from_camera[3]) + camera.near * way,
+            .direction = glm::normalize(way)};
 }
 
 float surfaceOffset(const Scene& scene, uint32_t triangle, const vec3& position, const vec3& n_g,

@@ -21,6 +21,7 @@ struct Camera {
     std::string name;
     mat4 world_from_camera{1.0f};  ///< rigid; looks along -z, +y up
     float y_fov = 0.9f;            ///< vertical field of view, radians
+    float near = 0.0f;             ///< nothing nearer along the view is seen
     float aspect = 0.0f;           ///< width / height; 0: the image's
 };
 
@@ -32,6 +33,9 @@ struct Scene {
     // Empty where no mesh has them.
     std::vector<vec2> second_uvs;  ///< likewise
     std::vector<vec4> colors;      ///< linear light and alpha, of 1; white where the mesh has none
+    /// Of normal maps: unit, along growing u, and in w the sign of the bitangent; zero where a mesh
+    /// has no such map.
+    std::vector<vec4> tangents;
     // Triangles: [triangle]; never degenerate, all coordinates finite. Counter-clockwise seen from
     // the front; the vertex normals may lie on either side.
     std::vector<uvec3> triangles;
@@ -46,7 +50,12 @@ struct Scene {
     Bounds bounds;
     /// Of world space, in the file's coordinates: not zero where the camera stands far from theirs.
     dvec3 origin{0.0};
-    std::vector<std::string> files;     ///< that were read: the scene's own and those it names
+    std::vector<std::string> files;  ///< that were read: the scene's own and those it names
+    /// A part of glTF that the file uses: "right", or "approximated", "ignored" and how.
+    struct Feature {
+        std::string name, treatment;
+    };
+    std::vector<Feature> features;
     std::vector<std::string> warnings;  ///< one line each: what the loader had to leave out or mend
 
     int triangleCount() const { return static_cast<int>(triangles.size()); }
@@ -58,7 +67,8 @@ struct Scene {
 /// and lights, as docs/gltf.md lists them. Whatever else the file uses is named in Scene::warnings,
 /// or, where the result would be wrong (a required extension, a compressed mesh), is an input
 /// error. A scene without cameras gets one that frames its bounds; geometry without lights, none of
-/// which emits, gets a sun from above, of pi lux, and a warning that says so.
+/// which emits, gets a sun of pi lux, from above and to the left of its first camera, and a warning
+/// that says so, unless an environment is given or said to be none.
 /// `camera`: the one to be seen by, as findCamera() has it, by which Scene::origin is chosen.
 /// `environment`: the light of the surroundings, of which the file says nothing; see
 /// loadEnvironment() for its errors.
@@ -81,11 +91,23 @@ CameraRay cameraRay(const Camera& camera, int width, int height, float x, float 
 /// full-resolution level) and all else that varies over the surface applied. Every pass asks here.
 MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
 
+/// The shading normal at a point, unit, as shared::shadingNormal() has it: `n_g` and `wo` lie on
+/// one side. The smooth one, interpolated from the vertices, and the one that normal maps make of
+/// it; the same where there is none.
+struct ShadingNormals {
+    vec3 smooth, mapped;
+};
+ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                         const vec3& n_g, const vec3& wo);
+
 /// All texels of a texture, [y][x], in linear light.
 std::vector<vec4> linearTexels(const Scene& scene, const Texture& texture);
 
 /// What the point emits, nits: the emission of materialAt(), for less.
 vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+
+/// Whether the surface is missing at a point: by its mask, light and rays pass.
+bool isHole(const Scene& scene, uint32_t triangle, const vec3& barycentric);
 
 /// Of all points of a triangle, nits.
 vec3 meanEmission(const Scene& scene, uint32_t triangle);

@@ -28,7 +28,8 @@ void checkGeometry(const Scene& scene) {
         require(std::isfinite(scene.uvs[i].x) && std::isfinite(scene.uvs[i].y), "uvs are finite");
     }
     require((scene.second_uvs.empty() || scene.second_uvs.size() == vertices) &&
-                (scene.colors.empty() || scene.colors.size() == vertices),
+                (scene.colors.empty() || scene.colors.size() == vertices) &&
+                (scene.tangents.empty() || scene.tangents.size() == vertices),
             "every vertex has what one has");
     require(scene.materials_of.size() == scene.triangles.size(), "every triangle has a material");
     for (int i = 0; i < scene.triangleCount(); ++i) {

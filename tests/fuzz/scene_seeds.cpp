@@ -88,8 +88,14 @@ GltfFile varied() {
     Json& attributes = json["meshes"][0]["primitives"][0]["attributes"];
     attributes["TEXCOORD_1"] = file.addAccessor<float>({0, 0, 1, 0, 0, 1}, kFloat, "VEC2", 2);
     attributes["COLOR_0"] = file.addAccessor<float>({1, 0, 0, 0, 1, 0, 0, 0, 1}, kFloat, "VEC3", 3);
+    attributes["TANGENT"] =
+        file.addAccessor<float>({1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, -1}, kFloat, "VEC4", 4);
+    json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
+        file.addAccessor<float>({1, 0, 0, 0, 1, 0}, kFloat, "VEC3", 3);
     json["samplers"][0] = {{"magFilter", 9728}, {"wrapS", 33071}, {"wrapT", 33648}};
     Json& material = json["materials"][0];
+    material["normalTexture"] = {{"index", 0}, {"scale", 0.5}};
+    material["alphaMode"] = "MASK";
     material["emissiveFactor"] = {1, 1, 1};
     material["emissiveTexture"] = {{"index", 0}, {"texCoord", 1}};
     material["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"] = 1;
@@ -98,7 +104,8 @@ GltfFile varied() {
     material["extensions"]["KHR_materials_specular"] = {{"specularTexture", {{"index", 0}}},
                                                         {"specularColorTexture", {{"index", 1}}}};
     json["materials"][1]["extensions"]["KHR_materials_unlit"] = Json::object();
-    json["extensionsUsed"] = {"KHR_texture_transform", "KHR_materials_unlit"};
+    json["extensionsUsed"] = {"KHR_texture_transform", "KHR_materials_unlit",
+                              "EXT_mesh_gpu_instancing"};
     return file;
 }
 

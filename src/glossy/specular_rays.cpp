@@ -1,12 +1,12 @@
 // Each pixel sees its lobe by rays of its own; what they saw is then filtered. Where there are
 // records, they are a control variate: rays say how much more there is.
-#include "cache/specular_rays.h"
+#include "glossy/specular_rays.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "cache/ray_filter.h"
 #include "core/parallel.h"
+#include "glossy/ray_filter.h"
 #include "rays/jitter.h"
 #include "scene/brdf_albedo.h"
 #include "scene/ggx_sampling.h"

@@ -1,4 +1,4 @@
-#include "cache/ray_filter.h"
+#include "glossy/ray_filter.h"
 
 #include <array>
 #include <cmath>

@@ -1,11 +1,6 @@
-// Placement: where records are needed so that every pixel is served, and how far each one reaches.
-// Based on: [GKB09, algorithm 5], [KBPZ06] for neighbour clamping, [WH92], [War94].
+// What decides where records go and how far they reach.
 #pragma once
 
-#include <vector>
-
-#include "gather/gatherer.h"
-#include "receivers/receivers.h"
 #include "record/record.h"
 
 namespace sheen {
@@ -45,32 +40,5 @@ struct PlacementParams {
             .accuracy = overlap * accuracy, .normal_weight = normal_weight, .slab = slab / overlap};
     }
 };
-
-/// All that was gathered for a view. It outlives passes: how far its records reach, and so by how
-/// much their gradients may change what they say, is each pass's own.
-struct RecordField {
-    std::vector<GatheredRecord> records;  ///< as gathered
-    std::vector<int> pixels;              ///< that they lie at
-};
-
-/// Thrown where a placement takes too long.
-struct OutOfTime {};
-
-struct Placement {
-    RecordCache cache;  ///< the field's records, in order, as they are to serve
-    int uncovered = 0;  ///< pixels with geometry that no record serves: 0 where numbers are sound
-};
-
-/// Places the records of the field, then scans the image and gathers more, which it adds to the
-/// field, where pixels are not served yet, until all are: first on a
-/// coarse grid, then on finer ones, row by row. Sites are chosen `batch` at a time, by predicted
-/// radii, and gathered together, so that the gather can run in parallel; the batch is part of the
-/// parameters and not of the machine, so the records never depend on the number of threads.
-/// A batch of 1 and a stride of 1 is the chapter's linear scan, [GKB09, algorithm 5].
-/// OutOfTime where sites are left to gather after so many seconds; what was gathered stays in the
-/// field.
-Placement placeRecords(const Scene& scene, const Receivers& receivers,
-                       const PlacementParams& params, Gatherer& gatherer, RecordField& field,
-                       bool quiet, double seconds = kInfinity);
 
 }  // namespace sheen

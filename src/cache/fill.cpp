@@ -1,0 +1,74 @@
+#include "cache/fill.h"
+
+#include <utility>
+
+#include "cache/scan.h"
+#include "core/error.h"
+#include "core/timer.h"
+
+namespace sheen {
+namespace {
+
+RecordSite siteOf(const Scene& scene, const PlacedRecords& placed, const SiteChoice& choice) {
+    const Receivers& receivers = placed.receivers();
+    RecordSite site = siteAt(scene, receivers, choice.receiver);
+    // Of the first nothing is known.
+    site.reach = choice.first ? 0.0f
+                              : choice.radius * placed.params().accuracy /
+                                    receivers.footprints[choice.receiver];
+    site.first = choice.first;
+    for (size_t k : choice.nearest) {
+        if (k != kNoRecord) {
+            const std::vector<Contrast>& found = placed.field().records[k].contrasts;
+            site.contrasts.insert(site.contrasts.end(), found.begin(), found.end());
+        }
+    }
+    return site;
+}
+
+}  // namespace
+
+void fill(const Scene& scene, PlacedRecords& placed, SiteChooser& chooser, Gatherer& gatherer,
+          RecordField& field, double seconds) {
+    const Timer timer;
+    SHEEN_CHECK(&placed.field() == &field);
+    while (true) {
+        const std::vector<SiteChoice> choices = chooser.next(placed);
+        if (choices.empty()) {
+            return;
+        }
+        if (timer.seconds() > seconds) {
+            throw OutOfTime{};
+        }
+        std::vector<RecordSite> sites;
+        for (const SiteChoice& choice : choices) {
+            sites.push_back(siteOf(scene, placed, choice));
+        }
+        std::vector<GatheredRecord> gathered = gatherer.gather(sites);
+        SHEEN_CHECK_EQ(gathered.size(), sites.size());
+        for (size_t k = 0; k < choices.size(); ++k) {
+            field.records.push_back(std::move(gathered[k]));
+            field.pixels.push_back(static_cast<int>(choices[k].receiver));
+        }
+        placed.placeNew();
+    }
+}
+
+Placement placeRecords(const Scene& scene, const Receivers& receivers,
+                       const PlacementParams& params, Gatherer& gatherer, RecordField& field,
+                       bool quiet, double seconds) {
+    SHEEN_CHECK(params.accuracy > 0.0f && params.batch >= 1 && params.coarsest_stride >= 1);
+    SHEEN_CHECK(params.overlap >= 1.0f);
+    // Its own pixel, closer than half of which all is the same, is served.
+    SHEEN_CHECK(params.min_pixels > 0.5f * (1.0f + shared::MIN_WEIGHT_SUM));
+    SHEEN_CHECK(params.max_pixels >= params.min_pixels);
+    SHEEN_CHECK_EQ(field.records.size(), field.pixels.size());
+    const Timer timer;
+    const bool anew = field.records.empty();
+    PlacedRecords placed(scene, receivers, params, field);
+    Scan scan(receivers, params, anew, quiet);
+    fill(scene, placed, scan, gatherer, field, seconds - timer.seconds());
+    return {.cache = placed.handOver(), .uncovered = placed.coverage().countUncovered()};
+}
+
+}  // namespace sheen

@@ -1,0 +1,79 @@
+// What a file uses of glTF, and what becomes of it, in the words of docs/gltf.md.
+#include <algorithm>
+
+#include "scene/gltf_parts.h"
+
+namespace sheen::gltf {
+namespace {
+
+constexpr const char* kRight = "right";
+constexpr const char* kIgnored = "ignored";
+constexpr const char* kRefused = "refused";
+
+const std::map<std::string, const char*> kExtensions = {
+    {"EXT_mesh_gpu_instancing", kRight},
+    {"EXT_meshopt_compression", kRefused},
+    {"KHR_draco_mesh_compression", kRefused},
+    {"KHR_lights_punctual", kRight},
+    {"KHR_materials_emissive_strength", kRight},
+    {"KHR_materials_specular", kRight},
+    {"KHR_materials_unlit", "approximated: its colour is emission, which lights the scene"},
+    {"KHR_mesh_quantization", kRight},
+    {"KHR_meshopt_compression", kRefused},
+    {"KHR_texture_transform", kRight},
+};
+
+// Whether `of` holds for one of a list.
+template <class T, class F>
+bool any(const std::vector<T>& list, const F& of) {
+    return std::any_of(list.begin(), list.end(), of);
+}
+
+}  // namespace
+
+void listFeatures(const File& file, Scene& scene) {
+    const tinygltf::Model& model = file.model;
+    for (const std::string& name : model.extensionsUsed) {
+        const auto known = kExtensions.find(name);
+        scene.features.push_back(
+            {oneLine(name), known == kExtensions.end() ? kIgnored : known->second});
+    }
+    const auto add = [&](bool used, const char* name, const char* treatment) {
+        if (used) {
+            scene.features.push_back({name, treatment});
+        }
+    };
+    const auto material = [&](const auto& of) { return any(model.materials, of); };
+    const auto primitive = [&](const auto& of) {
+        return any(model.meshes,
+                   [&](const tinygltf::Mesh& mesh) { return any(mesh.primitives, of); });
+    };
+    using Material = tinygltf::Material;
+    using Primitive = tinygltf::Primitive;
+    add(material([](const Material& m) {
+            return m.pbrMetallicRoughness.metallicRoughnessTexture.index != -1;
+        }),
+        "metallic-roughness textures", kRight);
+    add(material([](const Material& m) { return m.emissiveTexture.index != -1; }),
+        "emissive textures", kRight);
+    add(material([](const Material& m) { return m.normalTexture.index != -1; }), "normal textures",
+        "approximated: indirect light of a pixel as of the smooth surface");
+    add(material([](const Material& m) { return m.occlusionTexture.index != -1; }),
+        "occlusion textures", "ignored: the light they stand for is computed");
+    add(material([](const Material& m) { return m.alphaMode == "MASK"; }), "alphaMode MASK",
+        kRight);
+    add(material([](const Material& m) { return m.alphaMode == "BLEND"; }), "alphaMode BLEND",
+        "approximated: opaque where alpha is a half or more");
+    add(primitive([](const Primitive& p) { return p.attributes.count("COLOR_0") > 0; }),
+        "vertex colours", kRight);
+    add(primitive([](const Primitive& p) { return !p.targets.empty(); }), "morph targets",
+        kIgnored);
+    add(primitive([](const Primitive& p) { return p.mode >= 0 && p.mode < 4; }), "points and lines",
+        kIgnored);
+    add(any(model.cameras, [](const tinygltf::Camera& c) { return c.type == "orthographic"; }),
+        "orthographic cameras", "approximated: seen from afar");
+    add(!model.skins.empty(), "skins", kIgnored);
+    add(!model.animations.empty(), "animations", kIgnored);
+}
+
+}  // namespace sheen::gltf
