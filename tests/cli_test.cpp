@@ -47,9 +47,9 @@ TEST_F(CliTest, environmentsThatCannotBe) {
     expect("''", ExitCode::kUsage, "name is empty");
     expect("1,1,1 --environment-strength -1", ExitCode::kUsage, "-1");
     expect("1,1,1 --environment-rotation 361", ExitCode::kUsage, "361");
-    for (const char* method : {"radiance", "irradiance"}) {
-        expectError(fmt::format("render scene.gltf --environment 1,1,1 --method {}", method),
-                    ExitCode::kUsage, "does not gather the light of a sky");
+    for (const char* gather : {"hemicube", "border"}) {
+        expectError(fmt::format("render scene.gltf --environment 1,1,1 --gather {}", gather),
+                    ExitCode::kUsage, "--gather ray");
     }
     for (const char* option :
          {"--environment-rotation 10", "--environment-strength 2", "--transparent"}) {

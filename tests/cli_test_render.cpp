@@ -216,7 +216,7 @@ TEST_F(CliTest, aPixelAloneHasAnEstimate) {
 }
 
 TEST_F(CliTest, aGivenSkyShowsUnlessTransparent) {
-    for (const char* method : {"reference", "denoised", "octree"}) {
+    for (const char* method : {"radiance", "irradiance", "reference", "denoised", "octree"}) {
         for (const bool transparent : {false, true}) {
             const Outcome run = call(
                 fmt::format("render scene.gltf --method {} --size 24x16 -o a.exr --environment "

@@ -222,13 +222,6 @@ void checkMethodOptions(const RenderOptions& o) {
     if (!tracesPaths(o.params.method) && o.params.bounces != 1) {
         throwUsage("--bounces {}: --method {} computes one bounce", o.params.bounces, o.method);
     }
-    const std::string& sky = o.environment.source;
-    if (usesCache(o.params.method) && !sky.empty() && sky != "none") {
-        throwUsage(
-            "--environment {}: --method {} does not gather the light of a sky; use reference, "
-            "denoised or octree",
-            sky, o.method);
-    }
     if (o.params.gather.kind == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
         throwUsage("--gather-extent: not an option of --gather {}", o.gather);
     }

@@ -378,7 +378,8 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
         case Method::kRadiance:
         case Method::kIrradiance: {
             if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
-                throwUsage("--environment: only --gather ray sees a sky");
+                throwUsage(
+                    "--environment: records that are rasterised see no sky; use --gather ray");
             }
             findCamera(scene_, params.camera);  // before anything is made for it
             StageSeconds seconds;
