@@ -78,7 +78,8 @@ TEST(Lamps, RaysKnowTheDensityOfSamples) {
         if (!s || (tracer.free({&s->way, 1}) & 1u) == 0) {
             continue;
         }
-        const Hit hit = tracer.meetAlone(from.start(), s->wi);
+        Hit hit;
+        tracer.meet({.origin = from.start(), .directions = {&s->wi, 1}}, &hit);
         ASSERT_TRUE(hit.found() && lamps.isLamp(hit.triangle));
         EXPECT_EQ(lamps.radiance(hit), kRadiance);
         EXPECT_NEAR(lamps.density(from, kUp, hit, s->wi), s->density, 0.02f * s->density);

@@ -22,6 +22,10 @@ constexpr float kDoubt = 0.03f;  // standard error over the mean from which on t
 
 // Lobes wider than this are left to the directions toward lamps, others are followed too.
 constexpr float kWideLobe = 0.35f;
+// Where lamps fill more than this, steradians, as a luminous ceiling does, directions by the cosine
+// are followed besides: the ones toward lamps do not know it.
+constexpr float kLargeLamps = 0.6f;
+constexpr int kLookSamples = 8;  // that tell how much they fill
 
 // Steps of the R3 sequence, whose points fill a cube evenly, however many there are [Rob18].
 constexpr vec3 kSpread(0.8191725f, 0.6710436f, 0.5497005f);
@@ -48,6 +52,13 @@ class PixelLamps {
           wo_(glm::transpose(frame_) * point.side.toward_viewer) {
         const Brdf& brdf = point.surface.brdf;
         lobe_ = brdf.alpha < kWideLobe && luminance(brdf.f0) + brdf.f90 > 0.0f && wo_.z > 0.0f;
+        float angle = 0.0f;
+        for (uint32_t i = 0; i < kLookSamples; ++i) {
+            const vec3 u(randomPlace(pixel, 4 + 2 * i), randomPlace(pixel, 5 + 2 * i).x);
+            const auto s = lamps.sample(point.side, point.surface.n, u);
+            angle += s ? 1.0f / (s->density * kLookSamples) : 0.0f;
+        }
+        large_ = angle > kLargeLamps;
     }
 
     // Adds samples first to first + count of the pixel's sequence.
@@ -56,7 +67,13 @@ class PixelLamps {
             vec3 light[kPacket];
             addTowardLamps(i, light, sum);
             if (lobe_) {
-                addAlongLobe(i, light);
+                addFollowed(i, light, [this](const vec2& u) {
+                    const vec3 h = sampleGgxVisibleNormal(wo_, point_.surface.brdf.alpha, u);
+                    return 2.0f * glm::dot(wo_, h) * h - wo_;
+                });
+            }
+            if (large_) {
+                addFollowed(i, light, cosineDirection);
             }
             for (const vec3& l : light) {
                 sum.light += l;
@@ -74,11 +91,7 @@ class PixelLamps {
             const vec3 u = glm::fract(start_ + static_cast<float>(first + k) * kSpread);
             light[k] = vec3(0.0f);
             if (const auto s = lamps_.sample(point_.side, point_.surface.n, u)) {
-                const float other = lobe_ ? lobeDensity(s->wi) : 0.0f;
-                light[k] = scattered(point_.surface, point_.side.toward_viewer,
-                                     {.wi = s->wi,
-                                      .distance = s->distance,
-                                      .irradiance = s->radiance / (s->density + other)});
+                light[k] = over(s->density + followed(s->wi), s->wi) * s->radiance;
                 ways[k] = s->way;
                 tells[k] = s->within_reach;
             }
@@ -92,14 +105,15 @@ class PixelLamps {
         }
     }
 
-    void addAlongLobe(int first, vec3* light) const {
+    // Adds what lies in directions toward(u) of the normal's frame.
+    template <class F>
+    void addFollowed(int first, vec3* light, const F& toward) const {
         vec3 directions[kPacket];
         int of[kPacket];
         size_t count = 0;
         for (int k = 0; k < kPacket; ++k) {
             const vec2 u = glm::fract(lobe_start_ + static_cast<float>(first + k) * vec2(kSpread));
-            const vec3 h = sampleGgxVisibleNormal(wo_, point_.surface.brdf.alpha, u);
-            const vec3 wi = 2.0f * glm::dot(wo_, h) * h - wo_;
+            const vec3 wi = toward(u);
             const vec3 direction = glm::normalize(frame_ * wi);
             if (wi.z > 0.0f && glm::dot(direction, point_.side.n_g) > 0.0f) {
                 of[count] = k;
@@ -112,17 +126,37 @@ class PixelLamps {
             if (!hits[i].found() || !lamps_.isLamp(hits[i].triangle)) {
                 continue;
             }
-            const float density = lobeDensity(directions[i]);
-            const float other =
+            const float density =
+                followed(directions[i]) +
                 lamps_.density(point_.side, point_.surface.n, hits[i], directions[i]);
             if (density > 0.0f) {
-                light[of[i]] +=
-                    scattered(point_.surface, point_.side.toward_viewer,
-                              {.wi = directions[i],
-                               .distance = hits[i].distance,
-                               .irradiance = lamps_.radiance(hits[i]) / (density + other)});
+                light[of[i]] += over(density, directions[i]) * lamps_.radiance(hits[i]);
             }
         }
+    }
+
+    // What is scattered of radiance from a direction, times its cosine, over a density. Of a lobe
+    // that is followed by the lobe's own density, as its sampler weighs it: its values themselves
+    // are rounded, the more the narrower it is.
+    vec3 over(float density, const vec3& wi) const {
+        const Brdf& brdf = point_.surface.brdf;
+        const float NoL = glm::dot(wi, point_.surface.n);
+        if (!lobe_) {
+            return scattered(point_.surface, point_.side.toward_viewer,
+                             {.wi = wi, .distance = 0.0f, .irradiance = vec3(1.0f / density)});
+        }
+        const vec3 h = glm::normalize(wi + point_.side.toward_viewer);
+        const vec3 fresnel =
+            brdf.f0 + (vec3(brdf.f90) - brdf.f0) * shared::schlickWeight(glm::dot(wi, h));
+        const float NoV = std::max(wo_.z, shared::MIN_COSINE);
+        const vec3 along = fresnel * (visibleNormalWeight(NoV, NoL, brdf.alpha) * lobeDensity(wi));
+        return NoL > 0.0f ? (along + brdf.diffuse * (NoL / kPi)) / density : vec3(0.0f);
+    }
+
+    // The density of all directions that are followed.
+    float followed(const vec3& wi) const {
+        const float cosine = std::max(glm::dot(wi, point_.surface.n), 0.0f);
+        return (lobe_ ? lobeDensity(wi) : 0.0f) + (large_ ? cosine / kPi : 0.0f);
     }
 
     // Of a direction mirrored at visible normals, D G1 / (4 NoV). [Hei18, eq. 17]
@@ -145,8 +179,9 @@ class PixelLamps {
     vec3 start_;
     vec2 lobe_start_;
     mat3 frame_;
-    vec3 wo_;  // in the frame
-    bool lobe_ = false;
+    vec3 wo_;             // in the frame
+    bool lobe_ = false;   // followed
+    bool large_ = false;  // lamps, so that the cosine is
 };
 
 // Whether more samples would tell more.

@@ -43,6 +43,10 @@ Intensity Intensity::byCosine(const vec3& n, float power) {
 // brings nothing.
 float LightTree::Node::importance(const vec3& p, const vec3& n) const {
     const vec3 way = p - center;
+    const bool below = glm::dot(n, way) >= glm::dot(glm::abs(n), half);
+    if (below || (leaf && glm::dot(intensity.toward, way) < 0.0f)) {
+        return 0.0f;
+    }
     const float distance2 = glm::dot(way, way);
     if (distance2 <= 1.001f * radius2) {
         return intensity.mean() /
@@ -55,14 +59,17 @@ float LightTree::Node::importance(const vec3& p, const vec3& n) const {
     if (cos_received <= 0.0f) {
         return 0.0f;
     }
-    const float sent = std::max(intensity.in(way * inverse), kLeastSent * intensity.mean());
+    // The nearer, the less its middle's direction stands for all of it.
+    const float least = intensity.mean() * std::max(radius2 * inverse * inverse, kLeastSent);
+    const float sent = std::max(intensity.in(way * inverse), least);
     const float seen = distance2 > reach2 ? kSeldom : 1.0f;
     return seen * sent * cos_received * inverse * inverse;
 }
 
 LightTree::Node::Node(const LightBounds& b, uint32_t second_, bool leaf_)
     : center(b.box.center()),
-      radius2(0.25f * glm::dot(b.box.upper - b.box.lower, b.box.upper - b.box.lower)),
+      half(0.5f * (b.box.upper - b.box.lower)),
+      radius2(glm::dot(half, half)),
       intensity(b.intensity),
       reach2((b.reach + std::sqrt(radius2)) * (b.reach + std::sqrt(radius2))),
       second(second_),

@@ -58,7 +58,8 @@ class LightTree {
   private:
     struct Node {
         vec3 center{0.0f};
-        float radius2 = 0.0f;  // of the sphere around its box, squared
+        vec3 half{0.0f};       // of its box's sides
+        float radius2 = 0.0f;  // of the sphere around that, squared
         Intensity intensity;
         float reach2 = kInfinity;  // from the center, squared
         uint32_t second = 0;       // child; the first one follows. Of a leaf the light
