@@ -19,7 +19,8 @@ struct LitScene {
 
 /// The same, by cells.
 struct LitByCells {
-    explicit LitByCells(const Scene& scene) : tracer(scene), light(tracer, nullptr, LightCells(tracer)) {}
+    explicit LitByCells(const Scene& scene)
+        : tracer(scene), light(tracer, nullptr, LightCells(tracer)) {}
 
     Tracer tracer;
     ScatteredOnce light;

@@ -21,8 +21,8 @@ constexpr float kTooGlossy = 0.15f;
 /// whose specular lobe never matters.
 int materialOrder(const MaterialParams& material, int sh_order);
 /// The same of a material with its textures, by so dark and smooth a texel that one in twenty is
-/// darker or smoother: the darker the diffuse light, the more the lobe matters. (Receivers that need
-/// less are diffuse again.)
+/// darker or smoother: the darker the diffuse light, the more the lobe matters. (Receivers that
+/// need less are diffuse again.)
 int materialOrder(const Scene& scene, const Material& material, int sh_order);
 
 /// Fills in materials, orders, by_rays and what is counted of them; lobes are not built.

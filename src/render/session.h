@@ -14,8 +14,8 @@
 
 namespace sheen {
 
-/// Made of a scene once: OpenGL contexts, Embree's tree, its lamps, which lights reach which surfaces, and,
-/// for the raster road, the scene and its shadow maps on the GPU.
+/// Made of a scene once: OpenGL contexts, Embree's tree, its lamps, which lights reach which
+/// surfaces, and, for the raster road, the scene and its shadow maps on the GPU.
 struct SceneState {
     const Scene& scene;
     const GatherRoad road;
