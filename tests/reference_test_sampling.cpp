@@ -125,7 +125,7 @@ TEST(Sobol, EachPointIsUniformOverSeeds) {
 TEST(Sampling, FrameIsARotationOntoTheNormal) {
     for (const vec3& n : {vec3(0, 0, 1), vec3(0, 0, -1), vec3(1, 0, 0), vec3(0, -1, 0),
                           glm::normalize(vec3(1e-4f, -1e-4f, -1)), glm::normalize(vec3(1, 2, 3))}) {
-        const mat3 m = worldFromLocal(n);
+        const mat3 m = tangentFrame(n);
         EXPECT_NEAR(glm::determinant(m), 1.0f, 1e-5f);
         EXPECT_NEAR(glm::length(m * vec3(0, 0, 1) - n), 0.0f, 1e-6f);
         EXPECT_NEAR(glm::dot(m[0], m[1]), 0.0f, 1e-6f);

@@ -174,7 +174,7 @@ void seeCells(const RayScene& rays, const Lights& lights, const Surface& p,
 WardRecord gatherRecord(const RayScene& rays, const Lights& lights, const Surface& p,
                         const WardStrata& strata, uint32_t seed, Counters& counters) {
     constexpr auto kPacket = static_cast<size_t>(RayScene::kPacket);
-    const mat3 world_from_local = worldFromLocal(p.n);
+    const mat3 world_from_local = tangentFrame(p.n);
     std::vector<WardCell> cells(static_cast<size_t>(strata.count()));
     std::array<vec3, kPacket> directions;
     std::array<WardCell*, kPacket> aimed_at;

@@ -48,8 +48,7 @@ class LightTree {
         float u;  ///< a random number as good as the one that it was chosen by
     };
     /// By a random number in [0, 1), for a point p whose light counts on the side of the unit
-    /// normal n. None where the number leads to lights that cannot
-    /// reach that side.
+    /// normal n. None where the number leads to lights that cannot reach that side.
     std::optional<Choice> choose(const vec3& p, const vec3& n, float u) const;
 
     /// How probable it is that choose() chooses this light.

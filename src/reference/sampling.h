@@ -4,19 +4,11 @@
 
 #include <cmath>
 
+#include "core/directions.h"
 #include "scene/ggx_sampling.h"
 #include "scene/shared.h"
 
 namespace sheen {
-
-/// Rotation whose third column is the unit vector n. [DBC17]
-inline mat3 worldFromLocal(const vec3& n) {
-    const float sign = std::copysign(1.0f, n.z);
-    const float a = -1.0f / (sign + n.z);
-    const float b = n.x * n.y * a;
-    return {vec3(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x),
-            vec3(b, sign + n.y * n.y * a, -n.y), n};
-}
 
 /// A direction of the upper hemisphere (z up) by density cos/pi per solid angle; u in [0, 1)^2.
 /// The disc is reached by the concentric map, which keeps strata compact. [SC97]
@@ -53,7 +45,7 @@ struct BrdfSampler {
     /// `specular_albedo` is the specular lobe's directional albedo.
     BrdfSampler(const shared::Brdf& brdf, const vec3& specular_albedo, const vec3& n,
                 const vec3& wo)
-        : world_from_local(worldFromLocal(n)), wo_local(wo * world_from_local) {
+        : world_from_local(tangentFrame(n)), wo_local(wo * world_from_local) {
         const float specular = specular_albedo.x + specular_albedo.y + specular_albedo.z;
         const float diffuse = brdf.diffuse.x + brdf.diffuse.y + brdf.diffuse.z;
         if (specular <= 0.0f) {
