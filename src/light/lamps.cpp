@@ -19,7 +19,7 @@ constexpr float kWayShare = 1.0f - 1e-5f;
 // What leaves a side of a lamp meets other surfaces at some distance: from the inside of a bulb, or
 // against a wall, soon. Beyond so many times the farthest of what a few rays met it is seldom seen.
 constexpr float kReach = 4.0f;
-constexpr int kReachPackets = 2;
+constexpr int kReachPackets = 16;
 
 // What a spherical triangle's corners, as seen from a point, span. [VOS83]
 float solidAngle(const vec3& a, const vec3& b, const vec3& c) {
