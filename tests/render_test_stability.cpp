@@ -4,7 +4,10 @@
 #include <cstdio>
 #include <string>
 
+#include "gather/ray_gather.h"
+#include "receivers/receivers.h"
 #include "stress_flags.h"
+#include "test_light.h"
 #include "test_reference.h"
 #include "test_render.h"
 
@@ -248,6 +251,19 @@ TEST(Stability, CornersSeenFromClose) {
             sum += v.x;
         }
         EXPECT_NEAR(sum / (24 * 24), expected, (rays ? kMean : kError) * expected);
+        if (rays) {  // and where rays see the walls glow, each pixel's record alone
+            const LitScene lit(scene);
+            const Receivers receivers =
+                receiversOf(scene, renderGBuffer(lit.tracer, scene.cameras[0], 24, 24), 0, true);
+            std::vector<RecordSite> sites;
+            for (size_t i = 0; i < 24 * 24; ++i) {
+                sites.push_back(siteAt(scene, receivers, i));
+            }
+            RayGatherer gatherer(lit.light, {.kind = HemisphereKind::kHemicube, .size = 32});
+            for (const GatheredRecord& g : gatherer.gather(sites)) {
+                ASSERT_NEAR(g.record.irradiance.x, kPi, kError * kPi);
+            }
+        }
     }
 }
 
