@@ -140,9 +140,6 @@ std::vector<double> readAccessor(const File& file, const tinygltf::Accessor& acc
         values = readView(file, accessor.bufferView, accessor.byteOffset, accessor.count,
                           accessor.componentType, components, where);
     } else {
-        if (!accessor.sparse.isSparse) {
-            file.fail(where, "has no buffer view; export the file uncompressed");
-        }
         if (accessor.count > kMaxZeroElements) {
             file.fail(where,
                       "has {} elements and no buffer view, which may have {}; export the "
@@ -167,16 +164,19 @@ ByteSpan bufferViewBytes(const File& file, int buffer_view, const std::string& w
             file.fail(where, "{} is not supported; export the file uncompressed", compression);
         }
     }
-    const tinygltf::Buffer& buffer = file.at(file.model.buffers, view.buffer,
-                                             fmt::format("buffer view {}", buffer_view), "buffer");
-    if (view.byteOffset > buffer.data.size() ||
-        view.byteLength > buffer.data.size() - view.byteOffset) {
+    const FileBytes& buffer =
+        file.at(file.buffers, view.buffer, fmt::format("buffer view {}", buffer_view), "buffer");
+    if (!buffer.missing.empty()) {
+        file.fail(fmt::format("buffer {}", view.buffer), "{}", buffer.missing);
+    }
+    if (view.byteOffset > buffer.bytes.size() ||
+        view.byteLength > buffer.bytes.size() - view.byteOffset) {
         file.fail(fmt::format("buffer view {}", buffer_view),
                   "{} bytes at offset {} reach beyond the {} bytes of buffer {}; the file is "
                   "truncated or wrongly written, export it again",
-                  view.byteLength, view.byteOffset, buffer.data.size(), view.buffer);
+                  view.byteLength, view.byteOffset, buffer.bytes.size(), view.buffer);
     }
-    return {buffer.data.data() + view.byteOffset, view.byteLength};
+    return {buffer.bytes.data() + view.byteOffset, view.byteLength};
 }
 
 uint64_t accessorCount(const File& file, const tinygltf::Accessor& accessor) {
@@ -185,8 +185,8 @@ uint64_t accessorCount(const File& file, const tinygltf::Accessor& accessor) {
     if (accessor.bufferView >= 0 && view < file.model.bufferViews.size()) {
         most = 0;
         const auto buffer = static_cast<size_t>(file.model.bufferViews[view].buffer);
-        if (buffer < file.model.buffers.size()) {
-            most = file.model.buffers[buffer].data.size();
+        if (buffer < file.buffers.size()) {
+            most = file.buffers[buffer].bytes.size();
         }
     }
     return std::min<uint64_t>(accessor.count, most);

@@ -8,20 +8,52 @@ namespace {
 
 constexpr const char* kRight = "right";
 constexpr const char* kIgnored = "ignored";
+constexpr const char* kUnseen = "ignored: it changes nothing that is seen";
 constexpr const char* kRefused = "refused";
 
+// Those that a file may require; others are ignored where they are optional.
 const std::map<std::string, const char*> kExtensions = {
     {"EXT_mesh_gpu_instancing", kRight},
+    {"EXT_texture_avif", kIgnored},
+    {"EXT_texture_webp", kIgnored},
+    {"KHR_animation_pointer", kIgnored},
+    {"KHR_lights_punctual", kRight},
+    {"KHR_materials_anisotropy", kIgnored},
+    {"KHR_materials_clearcoat", kIgnored},
+    {"KHR_materials_diffuse_transmission", kIgnored},
+    {"KHR_materials_dispersion", kIgnored},
+    {"KHR_materials_emissive_strength", kRight},
+    {"KHR_materials_ior", kIgnored},
+    {"KHR_materials_iridescence", kIgnored},
+    {"KHR_materials_pbrSpecularGlossiness", kIgnored},
+    {"KHR_materials_sheen", kIgnored},
+    {"KHR_materials_specular", kRight},
+    {"KHR_materials_transmission", kIgnored},
+    {"KHR_materials_unlit", "approximated: its colour is emission, which lights the scene"},
+    {"KHR_materials_variants", kIgnored},
+    {"KHR_materials_volume", kIgnored},
+    {"KHR_mesh_quantization", kRight},
+    {"KHR_texture_basisu", kIgnored},
+    {"KHR_texture_transform", kRight},
+    {"KHR_xmp", kUnseen},
+    {"KHR_xmp_json_ld", kUnseen},
+    {"MSFT_texture_dds", kIgnored},
+};
+
+// What a mesh cannot be read without.
+const std::map<std::string, const char*> kRefusedExtensions = {
     {"EXT_meshopt_compression", kRefused},
     {"KHR_draco_mesh_compression", kRefused},
-    {"KHR_lights_punctual", kRight},
-    {"KHR_materials_emissive_strength", kRight},
-    {"KHR_materials_specular", kRight},
-    {"KHR_materials_unlit", "approximated: its colour is emission, which lights the scene"},
-    {"KHR_mesh_quantization", kRight},
     {"KHR_meshopt_compression", kRefused},
-    {"KHR_texture_transform", kRight},
 };
+
+const char* treatmentOf(const std::string& extension) {
+    const auto known = kExtensions.find(extension);
+    if (known != kExtensions.end()) {
+        return known->second;
+    }
+    return kRefusedExtensions.count(extension) > 0 ? kRefused : kIgnored;
+}
 
 // Whether `of` holds for one of a list.
 template <class T, class F>
@@ -31,12 +63,23 @@ bool any(const std::vector<T>& list, const F& of) {
 
 }  // namespace
 
+bool isUnderstood(const std::string& extension) { return kExtensions.count(extension) > 0; }
+
+void noteIgnoredParts(File& file) {
+    for (const std::string& name : file.model.extensionsUsed) {
+        if (treatmentOf(name) == kIgnored) {
+            file.notes.add(fmt::format("extension {} is not supported and ignored", oneLine(name)));
+        }
+    }
+    if (file.animated) {
+        file.notes.add("animations are not supported: the scene is shown at rest");
+    }
+}
+
 void listFeatures(const File& file, Scene& scene) {
     const tinygltf::Model& model = file.model;
     for (const std::string& name : model.extensionsUsed) {
-        const auto known = kExtensions.find(name);
-        scene.features.push_back(
-            {oneLine(name), known == kExtensions.end() ? kIgnored : known->second});
+        scene.features.push_back({oneLine(name), treatmentOf(name)});
     }
     const auto add = [&](bool used, const char* name, const char* treatment) {
         if (used) {
@@ -73,7 +116,7 @@ void listFeatures(const File& file, Scene& scene) {
     add(any(model.cameras, [](const tinygltf::Camera& c) { return c.type == "orthographic"; }),
         "orthographic cameras", "approximated: seen from afar");
     add(!model.skins.empty(), "skins", kIgnored);
-    add(!model.animations.empty(), "animations", kIgnored);
+    add(file.animated, "animations", kIgnored);
 }
 
 }  // namespace sheen::gltf

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <set>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "core/memory.h"
@@ -15,13 +14,6 @@ namespace {
 
 constexpr int kMaxJsonDepth = 200;
 constexpr size_t kGlbHeaderSize = 20;
-
-// Extensions that are read.
-const std::set<std::string> kSupported = {
-    "KHR_materials_specular", "KHR_materials_emissive_strength",
-    "KHR_materials_unlit",    "KHR_texture_transform",
-    "KHR_lights_punctual",    "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing"};
 
 bool isBinary(std::string_view bytes) { return bytes.substr(0, 4) == "glTF"; }
 
@@ -35,7 +27,7 @@ void checkBeginning(const std::string& path, std::string_view bytes) {
 
 std::string readWholeFile(const std::string& path) {
     constexpr size_t kBeginning = 4096;
-    constexpr uint64_t kCopies = 3;  // as read, as parsed, as the scene
+    constexpr uint64_t kCopies = 4;  // as read, as parsed twice, as the scene
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(path, error);
     if (!std::filesystem::exists(status)) {
@@ -79,10 +71,37 @@ uint32_t littleEndian32(const std::string& bytes, size_t offset) {
     return value;
 }
 
-// Checks a .glb file's header and returns its JSON; for other files the whole text.
-std::string_view jsonOf(const std::string& path, const std::string& bytes) {
+// A .gltf file's text, or the parts of a .glb.
+struct Document {
+    std::string_view json;
+    ByteSpan chunk = {};  // of no data where there is none
+};
+
+// The first binary chunk from an offset on; a .glb may hold others, unknown today.
+ByteSpan binaryChunk(const std::string& path, const std::string& bytes, size_t offset) {
+    constexpr uint32_t kBin = 0x004e4942;
+    constexpr size_t kChunkHeaderSize = 8;
+    while (offset + kChunkHeaderSize <= bytes.size()) {
+        const uint32_t length = littleEndian32(bytes, offset);
+        const uint32_t type = littleEndian32(bytes, offset + 4);
+        offset += kChunkHeaderSize;
+        if (length > bytes.size() - offset) {
+            throwInput(
+                "{}: header: a chunk of {} bytes reaches beyond the file; copy or export it again",
+                path, length);
+        }
+        if (type == kBin) {
+            return {reinterpret_cast<const unsigned char*>(bytes.data()) + offset, length};
+        }
+        offset += length;
+    }
+    return {};
+}
+
+// Checks a .glb file's header.
+Document documentOf(const std::string& path, const std::string& bytes) {
     if (!isBinary(bytes)) {
-        return bytes;
+        return {.json = bytes};
     }
     if (bytes.size() < kGlbHeaderSize) {
         throwInput("{}: header: the file ends after {} bytes; copy or export it again", path,
@@ -100,7 +119,8 @@ std::string_view jsonOf(const std::string& path, const std::string& bytes) {
             "export it again",
             path, std::max<uint64_t>(length, uint64_t{json_length} + kGlbHeaderSize), bytes.size());
     }
-    return std::string_view(bytes).substr(kGlbHeaderSize, json_length);
+    return {.json = std::string_view(bytes).substr(kGlbHeaderSize, json_length),
+            .chunk = binaryChunk(path, bytes, kGlbHeaderSize + json_length)};
 }
 
 // tinygltf copies JSON values recursively: nesting without end would overflow the stack.
@@ -125,34 +145,67 @@ void checkNesting(const std::string& path, std::string_view json) {
     }
 }
 
-// Keeps an image's bytes; those in buffer views are read later, with their bounds checked.
-bool keepImage(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
-               const unsigned char* bytes, int size, void*) {
-    if (image->bufferView < 0) {
-        image->image.assign(bytes, bytes + size);
+// Takes an array out of the document; an empty one where there is none.
+nlohmann::json takeArray(nlohmann::json& document, const char* key) {
+    nlohmann::json array = nlohmann::json::array();
+    const auto found = document.find(key);
+    if (found != document.end() && found->is_array()) {
+        array = std::move(*found);
+        document.erase(found);
     }
-    return true;
+    return array;
 }
 
-// External files must be regular ones: a scene cannot name a device or a directory.
-bool readExternal(std::vector<unsigned char>* out, std::string* error, const std::string& path,
-                  void* files) {
-    std::error_code code;
-    if (!std::filesystem::is_regular_file(path, code)) {
-        *error += fmt::format("{} is not a file", path);
-        return false;
+// tinygltf refuses indices without a buffer view, which are zeros until a sparse part replaces
+// them: all accessors without one get one more than there are, of which tinygltf asks nothing.
+int lendBufferViews(nlohmann::json& document) {
+    nlohmann::json& views = document["bufferViews"];
+    if (!views.is_array()) {
+        views = nlohmann::json::array();
     }
-    static_cast<std::vector<std::string>*>(files)->push_back(path);
-    constexpr uint64_t kCopies = 2;  // as read, as decoded or in the scene
-    checkMemory({.bytes = kCopies * std::filesystem::file_size(path, code)}, path,
-                "split the scene");
-    return tinygltf::ReadWholeFile(out, error, path, nullptr);
+    const size_t lent = views.size();
+    views.push_back({{"buffer", 0}, {"byteLength", 0}});
+    for (nlohmann::json& accessor : document["accessors"]) {
+        if (accessor.is_object() && !accessor.contains("bufferView")) {
+            accessor["bufferView"] = lent;
+        }
+    }
+    return static_cast<int>(lent);
+}
+
+void takeBackBufferViews(int lent, tinygltf::Model& model) {
+    model.bufferViews.pop_back();
+    for (tinygltf::Accessor& accessor : model.accessors) {
+        accessor.bufferView = accessor.bufferView == lent ? -1 : accessor.bufferView;
+    }
+}
+
+// Whether it has failed is told by the error's text.
+std::string parseModel(nlohmann::json document, tinygltf::Model& model) {
+    const int lent = lendBufferViews(document);
+    const std::string text = document.dump();
+    document = {};
+    tinygltf::TinyGLTF parser;
+    std::string error;
+    std::string warning;
+    try {
+        if (!parser.LoadASCIIFromString(&model, &error, &warning, text.data(),
+                                        static_cast<unsigned int>(text.size()), {})) {
+            return error.empty() ? "it cannot be parsed" : error;
+        }
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {  // of the JSON library, on values of the wrong type
+        return e.what();
+    }
+    takeBackBufferViews(lent, model);
+    return {};
 }
 
 void checkRequiredExtensions(const File& file) {
     for (const std::string& name : file.model.extensionsRequired) {
-        if (kSupported.count(name) == 0) {
-            file.fail("extensionsRequired", "{} is not supported; export the file without it",
+        if (!isUnderstood(name)) {
+            file.fail("extensionsRequired", "{} is not understood; export the file without it",
                       oneLine(name));
         }
     }
@@ -219,50 +272,32 @@ std::string label(const char* kind, size_t index, const std::string& name) {
 
 void parse(File& file) {
     const std::string bytes = readWholeFile(file.path);
-    checkNesting(file.path, jsonOf(file.path, bytes));
-    tinygltf::TinyGLTF parser;
-    parser.SetImageLoader(&keepImage, nullptr);
-    parser.SetFsCallbacks({&tinygltf::FileExists, &tinygltf::ExpandFilePath, &readExternal,
-                           &tinygltf::WriteWholeFile, &file.read});
-    const std::string folder = std::filesystem::path(file.path).parent_path().string();
-    const auto size = static_cast<unsigned int>(bytes.size());
-    std::string error;
-    std::string warning;
-    bool parsed = false;
+    const Document parts = documentOf(file.path, bytes);
+    checkNesting(file.path, parts.json);
+    nlohmann::json document;
     try {
-        parsed = isBinary(bytes)
-                     ? parser.LoadBinaryFromMemory(
-                           &file.model, &error, &warning,
-                           reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
-                     : parser.LoadASCIIFromString(&file.model, &error, &warning, bytes.data(), size,
-                                                  folder);
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& e) {  // of the JSON library, on values of the wrong type
-        error = e.what();
+        document = nlohmann::json::parse(parts.json);
+    } catch (const nlohmann::json::exception& e) {
+        file.fail("glTF", "{}; export it again", oneLine(e.what()));
     }
-    // A file compressed by an extension often fails to parse for that reason: name it first.
+    if (!document.is_object()) {
+        file.fail("glTF", "its JSON is not an object; export it again");
+    }
+    const nlohmann::json buffers = takeArray(document, "buffers");
+    const nlohmann::json images = takeArray(document, "images");
+    file.animated = !takeArray(document, "animations").empty();
+    const std::string error = parseModel(std::move(document), file.model);
+    // A file that an extension changes often fails to parse for that reason: name it first.
     checkRequiredExtensions(file);
-    if (!parsed) {
+    if (!error.empty()) {
         file.fail("glTF", "{}; export it again", oneLine(error));
     }
     if (file.model.asset.version.compare(0, 2, "2.") != 0) {
         file.fail("asset", "is glTF version {}; export it as version 2.0",
                   oneLine(file.model.asset.version));
     }
-}
-
-void noteIgnoredParts(File& file) {
-    for (const std::string& name : file.model.extensionsUsed) {
-        if (kSupported.count(name) == 0) {
-            file.notes.add(fmt::format("extension {} is not supported and ignored", oneLine(name)));
-        }
-    }
-    if (!file.model.animations.empty()) {
-        file.notes.add("animations are not supported: the scene is shown at rest");
-    }
+    readBuffers(file, buffers, parts.chunk);
+    readImages(file, images);
 }
 
 }  // namespace sheen::gltf

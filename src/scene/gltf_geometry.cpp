@@ -333,7 +333,10 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
 
 // Notes what a primitive asks for beyond what is loaded.
 void noteUnsupported(File& file, const tinygltf::Primitive& source, const std::string& where) {
-    if (source.extensions.count("KHR_draco_mesh_compression") > 0) {
+    const auto positions = source.attributes.find("POSITION");
+    if (source.extensions.count("KHR_draco_mesh_compression") > 0 &&
+        positions != source.attributes.end() &&
+        file.at(file.model.accessors, positions->second, where, "accessor").bufferView < 0) {
         file.fail(where, "KHR_draco_mesh_compression is not supported; export uncompressed");
     }
     if (!source.targets.empty()) {

@@ -1,11 +1,12 @@
 // What the files of the glTF loader share: the parsed file with its checks, and one function for
-// each part of a scene. tinygltf parses the JSON and finds the buffers; it hands every index,
-// offset and count on as written, so each is checked here before it is used.
+// each part of a scene. tinygltf parses the JSON; it hands every index, offset and count on as
+// written, so each is checked here before it is used.
 #pragma once
 
 #include <tiny_gltf.h>
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,9 @@
 #include "scene/scene.h"
 
 namespace sheen::gltf {
+
+/// Squares of distances up to here are floats.
+constexpr double kLargestExtent = 1e18;
 
 /// Things left out or mended, counted by kind, in the order of their first appearance.
 class Notes {
@@ -26,11 +30,27 @@ class Notes {
     std::vector<std::pair<std::string, int64_t>> notes_;
 };
 
+/// Bytes that a file holds or names.
+struct FileBytes {
+    std::vector<unsigned char> bytes = {};
+    std::string missing = {};  ///< why they are not there, and how to mend it; empty: they are
+};
+
+/// An image as a file has it.
+struct EncodedImage {
+    std::string name;
+    int buffer_view = -1;  ///< -1: `content` has it
+    FileBytes content = {};
+};
+
 /// A file being loaded.
 struct File {
     std::string path;
     std::vector<std::string> read = {};  ///< files that `path` names
-    tinygltf::Model model;
+    tinygltf::Model model;               ///< without buffers, images and animations
+    std::vector<FileBytes> buffers = {};
+    std::vector<EncodedImage> images = {};
+    bool animated = false;
     Notes notes;
     /// Cameras of Scene without perspective, until the scene's size is known.
     struct ParallelCamera {
@@ -61,9 +81,12 @@ struct File {
     bool uses(const std::string& extension) const;
 };
 
-/// Reads `file.path` into `file.model`: whole, version 2, with no extension required that is not
-/// supported; images stay encoded. Throws input errors.
+/// Reads `file.path`: whole, version 2, with no extension required that is not understood; images
+/// stay encoded. Throws input errors.
 void parse(File& file);
+
+/// Whether an extension is one that docs/gltf.md lists, right or not: a file may require it.
+bool isUnderstood(const std::string& extension);
 
 /// Notes what the file as a whole asks for and does not get: extensions, animations.
 void noteIgnoredParts(File& file);
@@ -74,14 +97,27 @@ void listFeatures(const File& file, Scene& scene);
 /// Such as "node 3 (lamp)"; the name may be any text.
 std::string label(const char* kind, size_t index, const std::string& name);
 
+/// The first of both names that is not empty, else such as "camera 3".
+std::string firstName(const std::string& own, const std::string& node, const char* kind,
+                      size_t index);
+
 /// Which component types an accessor may have beside float.
 enum class Integers { kNo, kNormalizedUnsigned, kAny };
 
-/// Bytes of a buffer view, checked against its buffer.
+/// Bytes that someone else owns.
 struct ByteSpan {
-    const unsigned char* data;
-    size_t size;
+    const unsigned char* data = nullptr;
+    size_t size = 0;
 };
+
+/// Fills File::buffers from the array of a document; `chunk`: what a .glb holds beside it, if
+/// anything. Those that are not there, or cut short, are missing; whoever uses them fails.
+void readBuffers(File& file, const nlohmann::json& buffers, ByteSpan chunk);
+
+/// Likewise File::images.
+void readImages(File& file, const nlohmann::json& images);
+
+/// Bytes of a buffer view, checked against its buffer.
 ByteSpan bufferViewBytes(const File& file, int buffer_view, const std::string& where);
 
 /// How many elements an accessor has, or fewer where the file cannot hold them.
@@ -111,8 +147,8 @@ struct TextureInfo {
 };
 TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const std::string& where);
 
-/// Loads a file's textures as materials ask for them, each image once. Those that cannot be read
-/// are left out, with a note.
+/// Loads a file's textures as materials ask for them, each image once. Whatever is broken about one
+/// is noted, and it is left out: it never keeps the file from loading.
 class TextureLoader {
   public:
     TextureLoader(File& file, Scene& scene) : file_(file), scene_(scene) {}
@@ -120,6 +156,7 @@ class TextureLoader {
     TextureUse use(const TextureInfo& info, bool srgb, const std::string& owner);
 
   private:
+    TextureUse usable(const TextureInfo& info, bool srgb, const std::string& owner);
     int load(int index, bool srgb, const std::string& owner);
 
     File& file_;
@@ -130,6 +167,30 @@ class TextureLoader {
 /// All materials of the file, in its order, and the glTF default material behind them, with the
 /// textures they use.
 void loadMaterials(File& file, Scene& scene);
+
+/// Appends what the nodes of the file's scene show: meshes, cameras and lights.
+void appendNodes(File& file, Scene& scene);
+
+/// Environment error where the meshes, shown by many nodes each, would take more memory than there
+/// is.
+void checkMeshMemory(const File& file);
+
+/// Appends a node's camera; `where`: the node, for errors. One without perspective is noted in
+/// File::parallel_cameras.
+void appendCamera(File& file, const tinygltf::Node& node, const glm::dmat4& world_from_node,
+                  const std::string& where, Scene& scene);
+
+/// Makes parallel cameras ones of perspective, so far away that what they see hardly converges: it
+/// is as large as it should be at the scene's middle. What lay behind them stays unseen.
+void placeParallelCameras(File& file, Scene& scene);
+
+/// Appends a node's light; `where`: the node, for errors.
+void appendLight(File& file, const tinygltf::Node& node, const glm::dmat4& world_from_node,
+                 const std::string& where, Scene& scene);
+
+/// Input error where all light together is more, or less, than floats can follow: the image would
+/// be black, white or not finite.
+void checkLightLevel(const File& file, const Scene& scene);
 
 /// Appends a mesh, transformed to world space.
 void appendMesh(File& file, int mesh, const glm::dmat4& world_from_mesh, Scene& scene);

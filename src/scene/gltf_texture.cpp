@@ -65,19 +65,16 @@ TextureImage storedImage(DecodedImage image) {
 
 // Index into Scene::images; -1, with a note, where it cannot be read.
 int loadImage(File& file, int index, Scene& scene) {
-    const tinygltf::Image& source = file.model.images[static_cast<size_t>(index)];
+    const EncodedImage& source = file.images[static_cast<size_t>(index)];
     const std::string where = label("image", static_cast<size_t>(index), source.name);
-    ByteSpan bytes{source.image.data(), source.image.size()};
-    if (source.bufferView >= 0) {
-        bytes = bufferViewBytes(file, source.bufferView, where);
-    }
-    if (bytes.size == 0) {
+    if (!source.content.missing.empty()) {
         file.notes.add(
-            fmt::format("{}: {} cannot be read: materials shown without it; put it "
-                        "beside the scene, or embed it",
-                        where, source.uri.empty() ? "it" : oneLine(source.uri)));
+            fmt::format("{}: materials shown without it: {}", where, source.content.missing));
         return -1;
     }
+    const ByteSpan bytes = source.buffer_view >= 0
+                               ? bufferViewBytes(file, source.buffer_view, where)
+                               : ByteSpan{source.content.bytes.data(), source.content.bytes.size()};
     const std::span<const uint8_t> encoded(bytes.data, bytes.size);
     try {
         checkImage(file, readImageHeader(encoded), bytes.size, where);
@@ -141,7 +138,7 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
                                           where, oneLine(source.extensions.begin()->first)));
         return -1;
     }
-    file_.at(file_.model.images, source.source, where, "image");
+    file_.at(file_.images, source.source, where, "image");
     const auto [image, is_new] = images_.try_emplace(source.source, -1);
     if (is_new) {
         image->second = loadImage(file_, source.source, scene_);
@@ -170,6 +167,21 @@ TextureUse TextureLoader::use(const TextureInfo& info, bool srgb, const std::str
     if (info.index == -1) {
         return {};
     }
+    try {
+        return usable(info, srgb, owner);
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::kInput) {
+            throw;
+        }
+        // What fails names the file first, which notes need not.
+        file_.notes.add(fmt::format("{}: material shown without that texture",
+                                    std::string(error.what()).substr(file_.path.size() + 2)));
+        return {};
+    }
+}
+
+// Input error where any part of it is broken.
+TextureUse TextureLoader::usable(const TextureInfo& info, bool srgb, const std::string& owner) {
     TextureUse use;
     use.uv_set = info.uv_set;
     if (info.transform.IsObject()) {
