@@ -119,7 +119,7 @@ TEST(RayOrigin, OffItsOwnPlaneWhateverItsSize) {
                 const float offset = surfaceOffset(scene, 0, p.position, p.n_g, p.distance);
                 const vec3 start = offSurface(p.position, p.n_g, viewer, offset);
                 for (int k = 0; k < 20; ++k) {
-                    EXPECT_FALSE(tracer.seeAlone(start, random.direction(p.n_g)).found())
+                    EXPECT_FALSE(tracer.seeAlone(start, random.direction(p.n_g)).ground.hit.found())
                         << "size " << size << ", trial " << trial;
                 }
             }

@@ -18,26 +18,35 @@ GltfFile masked(const char* mode) {
 TEST(AlphaMode, MaskLeavesOutWhatHasLessThanTheCutoff) {
     GltfFile file = masked("MASK");
     const Scene half = file.load();
-    EXPECT_FALSE(isHole(half, 0, vec3(1, 0, 0)));
-    EXPECT_FALSE(isHole(half, 0, vec3(0, 1, 0))) << "the cutoff itself is there";
-    EXPECT_TRUE(isHole(half, 0, vec3(0, 0.98f, 0.02f)));
+    EXPECT_EQ(coverageAt(half, 0, vec3(1, 0, 0)), 1.0f);
+    EXPECT_EQ(coverageAt(half, 0, vec3(0, 1, 0)), 1.0f) << "the cutoff itself is there";
+    EXPECT_EQ(coverageAt(half, 0, vec3(0, 0.98f, 0.02f)), 0.0f);
     file.json["materials"][0]["alphaCutoff"] = 0.9;
-    EXPECT_TRUE(isHole(file.load(), 0, vec3(0, 1, 0)));
+    EXPECT_EQ(coverageAt(file.load(), 0, vec3(0, 1, 0)), 0.0f);
     file.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0.8};
-    EXPECT_TRUE(isHole(file.load(), 0, vec3(1, 0, 0))) << "the factor counts";
+    EXPECT_EQ(coverageAt(file.load(), 0, vec3(1, 0, 0)), 0.0f) << "the factor counts";
     EXPECT_FALSE(warnsOf(file.load(), "alphaMode"));
 }
 
 TEST(AlphaMode, OpaqueHasNoHoles) {
     const Scene scene = masked("OPAQUE").load();
-    EXPECT_FALSE(isHole(scene, 0, vec3(0, 0, 1)));
+    EXPECT_EQ(coverageAt(scene, 0, vec3(0, 0, 1)), 1.0f);
 }
 
-TEST(AlphaMode, BlendIsAMaskAtAHalfAndSaysSo) {
+TEST(AlphaMode, BlendStopsTheShareOfLightThatAlphaSays) {
     const Scene scene = masked("BLEND").load();
-    EXPECT_FALSE(isHole(scene, 0, vec3(0.9f, 0, 0.1f)));
-    EXPECT_TRUE(isHole(scene, 0, vec3(0.1f, 0, 0.9f)));
-    EXPECT_TRUE(warnsOf(scene, "alphaMode BLEND is approximated"));
+    EXPECT_NEAR(coverageAt(scene, 0, vec3(0.9f, 0, 0.1f)), 0.9f, 1e-6f);
+    EXPECT_NEAR(coverageAt(scene, 0, vec3(0.1f, 0, 0.9f)), 0.1f, 1e-6f);
+    EXPECT_EQ(coverageAt(scene, 0, vec3(0, 0, 1)), 0.0f);
+    EXPECT_TRUE(scene.warnings.empty() || !warnsOf(scene, "BLEND"));
+}
+
+TEST(AlphaMode, BlendOfWhatIsOpaqueEverywhereIsOpaque) {
+    GltfFile file = textured();
+    file.json["materials"][0]["alphaMode"] = "BLEND";
+    EXPECT_FALSE(file.load().materials[0].blended);
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0.5};
+    EXPECT_TRUE(file.load().materials[0].blended);
 }
 
 TEST(Instancing, ShowsAMeshWhereverAnInstanceStands) {

@@ -113,7 +113,8 @@ std::string contentHash(const Scene& scene) {
     for (const Material& material : scene.materials) {
         hash.add(&material.params, sizeof(material.params));
         const float flags[] = {material.unlit ? 1.0f : 0.0f, material.single_sided ? 1.0f : 0.0f,
-                               material.alpha, material.alpha_cutoff};
+                               material.blended ? 1.0f : 0.0f, material.alpha,
+                               material.alpha_cutoff};
         hash.add(flags, sizeof(flags));
         for (const TextureUse* use : {&material.alpha_texture, &material.normal_texture}) {
             hash.add(use, sizeof(*use));

@@ -40,14 +40,15 @@ Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GB
                 points[count++] = gbuffer.sideAt(scene, i);
             }
             for (const PunctualLight& light : scene.lights) {
-                const uint32_t lit = reached(tracer, light, {points, count});
+                const Tracer::Shares shares = reaching(tracer, light, {points, count});
                 for (size_t k = 0; k < count; ++k) {
-                    if ((lit >> k & 1u) == 0) {
+                    if (shares[k] == 0.0f) {
                         continue;
                     }
                     const size_t i = pixels[k];
-                    direct.pixels[i] += scattered(scattererAt(gbuffer, i), points[k].toward_viewer,
-                                                  shared::sampleLight(light, points[k].position));
+                    direct.pixels[i] +=
+                        shares[k] * scattered(scattererAt(gbuffer, i), points[k].toward_viewer,
+                                              shared::sampleLight(light, points[k].position));
                 }
             }
         }

@@ -96,12 +96,12 @@ class PixelLamps {
                 tells[k] = s->within_reach;
             }
         }
-        const uint32_t free = tracer_.free(ways);
-        for (int k = 0; k < kPacket; ++k) {
-            const bool arrives = (free >> k & 1u) != 0;
+        const Tracer::Shares passing = tracer_.passing(ways);
+        for (size_t k = 0; k < kPacket; ++k) {
+            const bool arrives = passing[k] > 0.0f;
             sum.hidden += tells[k] && !arrives ? 1 : 0;
             sum.free += tells[k] && arrives ? 1 : 0;
-            light[k] = arrives ? light[k] : vec3(0.0f);
+            light[k] = arrives ? passing[k] * light[k] : vec3(0.0f);
         }
     }
 

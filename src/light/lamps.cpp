@@ -180,7 +180,9 @@ std::optional<LampSampler::Sample> LampSampler::sample(const SurfaceSide& surfac
     }
     s.density = choice->probability *
                 (angle > kSmallestAngle ? 1.0f / angle : distance * distance / (c.area * cosine));
-    s.radiance = emissionAt(scene_, triangle, vec3(1.0f - uv.x - uv.y, uv));
+    const vec3 barycentric(1.0f - uv.x - uv.y, uv);
+    s.radiance =
+        coverageAt(scene_, triangle, barycentric) * emissionAt(scene_, triangle, barycentric);
     // It ends off the lamp's surface, as it starts off the other.
     const vec3 end = position + surfaceOffset(scene_, triangle, position, side, distance) * side;
     const float length = glm::length(end - start);

@@ -175,9 +175,12 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
         facing[glm::dot(front, wi) > 0.0f ? 0 : 1] |= bit(l);
     }
 
-    // Which lights reach the cells' corners and middles.
+    // Which lights reach the cells' corners and middles, and which of them with all their light.
+    struct Reached {
+        std::vector<uint32_t> some, whole;
+    };
     const auto reachedAt = [&](const std::vector<vec2>& uvs) {
-        std::vector<uint32_t> result(uvs.size());
+        Reached result{std::vector<uint32_t>(uvs.size()), std::vector<uint32_t>(uvs.size())};
         for (size_t first = 0; first < uvs.size(); first += Tracer::kPacket) {
             const size_t count = std::min<size_t>(Tracer::kPacket, uvs.size() - first);
             SurfaceSide points[Tracer::kPacket];
@@ -189,23 +192,26 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
                                  .toward_viewer = vec3(0.0f),
                                  .offset = surfaceOffset(scene, index, position, front, edge)};
                 }
-                const uint32_t lit = reached(tracer, scene.lights[l], {points, count});
+                const Tracer::Shares shares = reaching(tracer, scene.lights[l], {points, count});
                 for (size_t k = 0; k < count; ++k) {
-                    result[first + k] |= (lit >> k & 1u) != 0 ? bit(l) : 0u;
+                    result.some[first + k] |= shares[k] > 0.0f ? bit(l) : 0u;
+                    result.whole[first + k] |= shares[k] == 1.0f ? bit(l) : 0u;
                 }
             }
         }
         return result;
     };
-    const std::vector<uint32_t> corners = reachedAt(grid.corners());
-    const std::vector<uint32_t> middles = reachedAt(grid.middles());
+    const Reached corners = reachedAt(grid.corners());
+    const Reached middles = reachedAt(grid.middles());
 
     // A light reaches all of a cell, or none of it, where its corners and its middle agree. So that
     // no shadow slips between them unseen, cells that touch one where they do not stay open too.
-    std::vector<uint32_t> open(corners.size());
+    std::vector<uint32_t> open(corners.some.size());
     grid.forEachCell([&](uint32_t cell, const uvec3& c, const vec2&) {
-        const uint32_t any = corners[c.x] | corners[c.y] | corners[c.z] | middles[cell];
-        const uint32_t all = corners[c.x] & corners[c.y] & corners[c.z] & middles[cell];
+        const uint32_t any =
+            corners.some[c.x] | corners.some[c.y] | corners.some[c.z] | middles.some[cell];
+        const uint32_t all =
+            corners.whole[c.x] & corners.whole[c.y] & corners.whole[c.z] & middles.whole[cell];
         for (int k = 0; k < 3; ++k) {
             open[c[k]] |= any & ~all;
         }
@@ -225,7 +231,7 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
         const vec3 n_g = side == 0 ? front : -front;
         grid.forEachCell([&](uint32_t i, const uvec3& c, const vec2& uv) {
             const uint32_t trace = (open[c.x] | open[c.y] | open[c.z]) & facing[side];
-            const uint32_t lit = middles[i] & ~trace & facing[side];
+            const uint32_t lit = middles.whole[i] & ~trace & facing[side];
             Cell& cell = cells[i];
             cell.trace |= static_cast<uint16_t>(trace);
             cell.shade |= static_cast<uint16_t>(lambertian ? trace : trace | lit);

@@ -22,8 +22,8 @@ Way wayTo(const PunctualLight& light, const LightSample& sample, const vec3& sta
     return {.start = start, .direction = to_light / distance, .length = distance * kShadowRayShare};
 }
 
-uint32_t reached(const Tracer& tracer, const PunctualLight& light,
-                 std::span<const SurfaceSide> points) {
+Tracer::Shares reaching(const Tracer& tracer, const PunctualLight& light,
+                        std::span<const SurfaceSide> points) {
     SHEEN_CHECK(points.size() <= Tracer::kPacket);
     Way ways[Tracer::kPacket];
     for (size_t k = 0; k < points.size(); ++k) {
@@ -33,7 +33,7 @@ uint32_t reached(const Tracer& tracer, const PunctualLight& light,
             ways[k] = wayTo(light, sample, p.start());
         }
     }
-    return tracer.free({ways, points.size()});
+    return tracer.passing({ways, points.size()});
 }
 
 }  // namespace sheen

@@ -1,7 +1,6 @@
 #include "light/scattered_once.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "light/punctual.h"
 #include "rays/jitter.h"
@@ -94,9 +93,10 @@ void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
                 ways[k] = wayTo(light, samples[k], p.eye(scene()));
             }
         }
-        const uint32_t free = tracer().free({ways, lacking.size()});
+        const Tracer::Shares passing = tracer().passing({ways, lacking.size()});
         for (size_t k = 0; k < lacking.size(); ++k) {
-            if (!arrives[k] || (ways[k].length > 0.0f && (free >> k & 1u) == 0)) {
+            const float share = ways[k].length > 0.0f ? passing[k] : 1.0f;
+            if (!arrives[k] || share == 0.0f) {
                 continue;
             }
             if (!surfaces[k]) {
@@ -107,7 +107,7 @@ void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
             surface.brdf.alpha =
                 shared::filteredAlpha(surface.brdf.alpha, rays.solidAngle(ray),
                                       lacking[k].hit->distance, samples[k].distance);
-            radiance[ray] += scattered(surface, points[k].wo, samples[k]);
+            radiance[ray] += share * scattered(surface, points[k].wo, samples[k]);
         }
     }
 }
@@ -128,10 +128,7 @@ void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3*
             .toward_viewer = p.wo,
             .offset = surfaceOffset(scene(), hit.triangle, p.position, p.n_g, p.distance)};
         const Scatterer surface = scattererAt(scene(), p);
-        // What the point says, and no count of points before it.
-        const uint32_t seed =
-            pcgHash(hit.triangle + pcgHash(std::bit_cast<uint32_t>(hit.u) +
-                                           pcgHash(std::bit_cast<uint32_t>(hit.v))));
+        const uint32_t seed = hashOfPoint(hit.triangle, hit.u, hit.v);
         const vec2 u = randomPlace(seed, 0), v = randomPlace(seed, 1);
         const auto arriving = [&](const vec3& wi, float distance, const vec3& irradiance) {
             Scatterer seen = surface;
@@ -155,9 +152,9 @@ void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3*
         }
     }
     for (int source = 0; source < kSources; ++source) {
-        const uint32_t free = tracer().free({ways[source], lit.size()});
+        const Tracer::Shares passing = tracer().passing({ways[source], lit.size()});
         for (size_t k = 0; k < lit.size(); ++k) {
-            radiance[lit[k].ray] += (free >> k & 1u) != 0 ? light[source][k] : vec3(0.0f);
+            radiance[lit[k].ray] += passing[k] > 0.0f ? passing[k] * light[source][k] : vec3(0.0f);
         }
     }
 }

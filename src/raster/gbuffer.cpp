@@ -67,7 +67,7 @@ Bounds grown(const Bounds& box, float share) {
 
 }  // namespace
 
-GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height) {
+GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height, int veil) {
     const Scene& scene = tracer.scene();
     GBuffer result;
     result.image = pixelGrid(camera, width, height);
@@ -87,18 +87,34 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
         result.mapped_normal = Image<vec3>(width, height);
     }
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
+    if (std::any_of(scene.materials.begin(), scene.materials.end(),
+                    [](const Material& m) { return m.blended; })) {
+        result.share = Image<float>(width, height);
+    }
+    std::vector<int> veils(static_cast<size_t>(height), 0);  // by row
     parallelFor(height, [&](int y) {
+        int& most = veils[static_cast<size_t>(y)];
         for (int x = 0; x < width; ++x) {
             const CameraRay ray =
                 cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
-            const Hit hit = tracer.seeAlone(ray.origin, ray.direction);
-            if (hit.found()) {
-                writePixel(scene, hit, ray.direction, static_cast<size_t>(y * width + x), result);
-            } else if (scene.environment.shows()) {
+            const Sight sight = tracer.seeAlone(ray.origin, ray.direction);
+            most = std::max(most, sight.veil_count);
+            const Sight::Part part = veil == 0 ? sight.ground
+                                     : veil <= sight.veil_count
+                                         ? sight.veils[static_cast<size_t>(veil - 1)]
+                                         : Sight::Part{};
+            if (!result.share.empty()) {
+                result.share.at(x, y) = part.share;
+            }
+            if (part.hit.found()) {
+                writePixel(scene, part.hit, ray.direction, static_cast<size_t>(y * width + x),
+                           result);
+            } else if (veil == 0 && scene.environment.shows()) {
                 result.emission.at(x, y) = scene.environment.radiance(ray.direction);
             }
         }
     });
+    result.veils = height > 0 ? *std::max_element(veils.begin(), veils.end()) : 0;
     return result;
 }
 

@@ -28,6 +28,10 @@ struct GBuffer {
     Image<vec3> direct;      ///< radiance of direct light
     Image<vec3> emission;    ///< radiance; empty where no material emits and no sky shows
     Image<uint32_t> primitive;
+    /// What share of the pixel's light comes from there; empty where it is all of it everywhere.
+    Image<float> share;
+    /// How many blended surfaces lie before what is behind them, at most.
+    int veils = 0;
 
     /// By which direct light is scattered.
     const vec3& mappedNormalAt(size_t i) const {
@@ -40,8 +44,10 @@ struct GBuffer {
     }
 };
 
-/// What a ray through each pixel's middle meets first. Direct light is black.
-GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height);
+/// What a ray through each pixel's middle sees: behind all blended surfaces, or, where `veil` is
+/// not 0, the so manieth of these. Direct light is black.
+GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height,
+                      int veil = 0);
 
 /// Boxes of surfaces, each within the next, from what the camera sees nearest to it on to all but
 /// the scene's bounds: none where these are hardly larger, as where a room is the scene.

@@ -1,6 +1,7 @@
 // Random places for rays, the same in every run.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "core/math.h"
@@ -12,6 +13,13 @@ inline uint32_t pcgHash(uint32_t x) {
     const uint32_t state = x * 747796405u + 2891336453u;
     const uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
     return (word >> 22u) ^ word;
+}
+
+/// A hash of a point of a triangle, by Embree's barycentric coordinates: what the point says, and
+/// no count of points before it.
+inline uint32_t hashOfPoint(uint32_t triangle, float u, float v) {
+    return pcgHash(triangle +
+                   pcgHash(std::bit_cast<uint32_t>(u) + pcgHash(std::bit_cast<uint32_t>(v))));
 }
 
 /// A pseudo-random place in [0, 1)^2 for ray `ray` of whatever has index `of`.

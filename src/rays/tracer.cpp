@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "rays/jitter.h"
 
 namespace sheen {
 namespace {
@@ -17,12 +18,17 @@ struct alignas(32) Mask {
     int lanes[kPacket] = {};  // -1: in use
 };
 
-RTCIntersectContext coherentContext() {
+// What a query makes of surfaces that light passes; filters get it by its first member.
+struct Query {
     RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    return context;
-}
+    bool meets_veils = false;  // else by chance
+    uint32_t veiled = 0;       // bit k: a veil hides ray k, or more than one
+
+    explicit Query(RTCIntersectContextFlags flags) {
+        rtcInitIntersectContext(&context);
+        context.flags = flags;
+    }
+};
 
 void setRay(RTCRay8& rays, int lane, const vec3& origin, const vec3& direction, float tfar) {
     rays.org_x[lane] = origin.x;
@@ -35,23 +41,45 @@ void setRay(RTCRay8& rays, int lane, const vec3& origin, const vec3& direction, 
     rays.tfar[lane] = tfar;
     rays.time[lane] = 0.0f;
     rays.mask[lane] = 0xffffffffu;
-    rays.id[lane] = 0;
+    rays.id[lane] = static_cast<unsigned int>(lane);
     rays.flags[lane] = 0;
 }
 
-// Takes the holes of masks out of what rays meet.
-void passHoles(const RTCFilterFunctionNArguments* met) {
+// body(k, point, coverage) for each ray of a packet that meets what light passes; where it returns
+// false the ray goes on.
+template <class F>
+void filter(const RTCFilterFunctionNArguments* met, const F& body) {
     const Scene& scene = *static_cast<const Scene*>(met->geometryUserPtr);
     for (unsigned int k = 0; k < met->N; ++k) {
         if (met->valid[k] == 0) {
             continue;
         }
-        const float u = RTCHitN_u(met->hit, met->N, k);
-        const float v = RTCHitN_v(met->hit, met->N, k);
-        if (isHole(scene, RTCHitN_primID(met->hit, met->N, k), vec3(1.0f - u - v, u, v))) {
+        const Hit hit{.triangle = RTCHitN_primID(met->hit, met->N, k),
+                      .u = RTCHitN_u(met->hit, met->N, k),
+                      .v = RTCHitN_v(met->hit, met->N, k)};
+        const float coverage =
+            coverageAt(scene, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
+        if (coverage < 1.0f && !body(k, hit, coverage)) {
             met->valid[k] = 0;
         }
     }
+}
+
+void filterMet(const RTCFilterFunctionNArguments* met) {
+    const auto& query = *reinterpret_cast<const Query*>(met->context);
+    filter(met, [&](unsigned int, const Hit& hit, float coverage) {
+        const float chance =
+            static_cast<float>(hashOfPoint(hit.triangle, hit.u, hit.v) >> 8u) * 0x1p-24f;
+        return query.meets_veils ? coverage > 0.0f : chance < coverage;
+    });
+}
+
+void filterHidden(const RTCFilterFunctionNArguments* met) {
+    auto& query = *reinterpret_cast<Query*>(met->context);
+    filter(met, [&](unsigned int k, const Hit&, float coverage) {
+        query.veiled |= coverage > 0.0f ? 1u << RTCRayN_id(met->ray, met->N, k) : 0u;
+        return false;
+    });
 }
 
 }  // namespace
@@ -85,11 +113,11 @@ void Tracer::build() {
             std::memcpy(vertices, scene_.positions.data(), scene_.positions.size() * sizeof(vec3));
             std::memcpy(indices, scene_.triangles.data(), scene_.triangles.size() * sizeof(uvec3));
             if (std::any_of(scene_.materials.begin(), scene_.materials.end(),
-                            [](const Material& m) { return m.masked(); })) {
+                            [](const Material& m) { return m.lightPasses(); })) {
                 // Embree hands the pointer back, and nothing writes to what it names.
                 rtcSetGeometryUserData(geometry, const_cast<Scene*>(&scene_));
-                rtcSetGeometryIntersectFilterFunction(geometry, &passHoles);
-                rtcSetGeometryOccludedFilterFunction(geometry, &passHoles);
+                rtcSetGeometryIntersectFilterFunction(geometry, &filterMet);
+                rtcSetGeometryOccludedFilterFunction(geometry, &filterHidden);
             }
             rtcCommitGeometry(geometry);
             rtcAttachGeometry(embree_.get(), geometry);
@@ -106,7 +134,7 @@ void Tracer::build() {
 }
 
 void Tracer::meet(const Rays& rays, Hit* hits, vec3* planes) const {
-    RTCIntersectContext context = coherentContext();
+    Query query(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
     const size_t count = rays.directions.size();
     for (size_t first = 0; first < count; first += kPacket) {
         const size_t end = std::min(first + kPacket, count);
@@ -119,7 +147,7 @@ void Tracer::meet(const Rays& rays, Hit* hits, vec3* planes) const {
             met.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
             met.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         }
-        rtcIntersect8(cast.lanes, embree_.get(), &context, &met);
+        rtcIntersect8(cast.lanes, embree_.get(), &query.context, &met);
         for (size_t i = first; i < end; ++i) {
             const auto k = static_cast<int>(i - first);
             const bool found = met.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
@@ -138,18 +166,38 @@ void Tracer::meet(const Rays& rays, Hit* hits, vec3* planes) const {
     }
 }
 
-Hit Tracer::seeAlone(const vec3& origin, const vec3& direction) const {
-    Hit hit = meetAlone(origin, direction, 0.0f);
-    while (hit.back && scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
-        hit = meetAlone(origin, direction, std::nextafter(hit.distance, kInfinity));
+Sight Tracer::seeAlone(const vec3& origin, const vec3& direction) const {
+    constexpr float kDark = 1.0f / 512.0f;  // passes no light that shows
+    Sight sight;
+    Sight::Part& ground = sight.ground;
+    for (float from = 0.0f;; from = std::nextafter(ground.hit.distance, kInfinity)) {
+        ground.hit = meetAlone(origin, direction, from, kInfinity);
+        const Hit& hit = ground.hit;
+        if (!hit.found()) {
+            return sight;
+        }
+        const Material& material = scene_.materials[scene_.materials_of[hit.triangle]];
+        if (hit.back && material.single_sided) {
+            continue;
+        }
+        const float coverage =
+            material.blended
+                ? coverageAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v))
+                : 1.0f;
+        const float behind = (1.0f - coverage) * ground.share;
+        if (behind < kDark || sight.veil_count == Sight::kMostVeils) {
+            return sight;
+        }
+        sight.veils[static_cast<size_t>(sight.veil_count++)] = {.hit = hit,
+                                                                .share = coverage * ground.share};
+        ground.share = behind;
     }
-    return hit;
 }
 
-// From a distance on.
-Hit Tracer::meetAlone(const vec3& origin, const vec3& direction, float from) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+// From a distance on, up to another.
+Hit Tracer::meetAlone(const vec3& origin, const vec3& direction, float from, float to) const {
+    Query query(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    query.meets_veils = true;
     RTCRayHit met{};
     met.ray.org_x = origin.x;
     met.ray.org_y = origin.y;
@@ -158,11 +206,11 @@ Hit Tracer::meetAlone(const vec3& origin, const vec3& direction, float from) con
     met.ray.dir_y = direction.y;
     met.ray.dir_z = direction.z;
     met.ray.tnear = from;
-    met.ray.tfar = kInfinity;
+    met.ray.tfar = to;
     met.ray.mask = 0xffffffffu;
     met.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     met.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(embree_.get(), &context, &met);
+    rtcIntersect1(embree_.get(), &query.context, &met);
     if (met.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
         return {};
     }
@@ -174,9 +222,23 @@ Hit Tracer::meetAlone(const vec3& origin, const vec3& direction, float from) con
             .back = glm::dot(n_g, direction) > 0.0f};
 }
 
-uint32_t Tracer::free(std::span<const Way> ways) const {
+// One by one: Embree may ask a filter of one occluder twice.
+float Tracer::passingVeils(const Way& way) const {
+    float share = 1.0f;
+    for (float from = 0.0f;;) {
+        const Hit hit = meetAlone(way.start, way.direction, from, way.length);
+        if (!hit.found()) {
+            return share;
+        }
+        share *= 1.0f - coverageAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
+        from = std::nextafter(hit.distance, kInfinity);
+    }
+}
+
+Tracer::Shares Tracer::passing(std::span<const Way> ways) const {
     SHEEN_CHECK(ways.size() <= kPacket);
-    RTCIntersectContext context = coherentContext();
+    Shares passing{};
+    Query query(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
     Mask asked;
     bool any = false;
     alignas(32) RTCRay8 rays;
@@ -184,20 +246,23 @@ uint32_t Tracer::free(std::span<const Way> ways) const {
         if (ways[i].length > 0.0f) {
             const auto k = static_cast<int>(i);
             asked.lanes[k] = -1;
+            passing[i] = 1.0f;
             any = true;
             setRay(rays, k, ways[i].start, ways[i].direction, ways[i].length);
         }
     }
     if (!any) {
-        return 0;
+        return passing;
     }
-    rtcOccluded8(asked.lanes, embree_.get(), &context, &rays);
-    uint32_t free = 0;
-    for (int k = 0; k < kPacket; ++k) {
+    rtcOccluded8(asked.lanes, embree_.get(), &query.context, &rays);
+    for (size_t k = 0; k < ways.size(); ++k) {
         // Embree sets tfar to -infinity where it found something.
-        free |= asked.lanes[k] != 0 && rays.tfar[k] >= 0.0f ? 1u << k : 0u;
+        passing[k] = asked.lanes[k] != 0 && rays.tfar[k] < 0.0f ? 0.0f : passing[k];
+        if (passing[k] > 0.0f && (query.veiled >> k & 1u) != 0) {
+            passing[k] = passingVeils(ways[k]);
+        }
     }
-    return free;
+    return passing;
 }
 
 }  // namespace sheen

@@ -5,6 +5,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -50,6 +51,21 @@ struct Way {
     float length = 0.0f;
 };
 
+/// What a camera's ray sees: surfaces that let a part of the light pass, from the eye on, and what
+/// lies behind them, which may be nothing.
+struct Sight {
+    /// One before the ground that lets less light pass than shows, or the one after so many, is
+    /// taken as that.
+    static constexpr int kMostVeils = 8;
+    struct Part {
+        Hit hit;
+        float share = 0;  ///< of the light that reaches the eye
+    };
+    std::array<Part, kMostVeils> veils;
+    int veil_count = 0;
+    Part ground{.hit = {}, .share = 1.0f};
+};
+
 /// Traces rays in a scene, which must outlive it. Safe to use from many threads.
 class Tracer {
   public:
@@ -61,17 +77,19 @@ class Tracer {
     /// Rays that meet the scene together.
     static constexpr int kPacket = 8;
 
-    /// What each ray meets, kPacket rays at a time. As many `hits` as rays. `planes`, where given,
-    /// get those of the triangles met: along a unit direction d from the origin, a plane lies at
-    /// distance 1 / dot(plane, d); zero where nothing is met.
+    /// What each ray meets, kPacket rays at a time; what lets a part of the light pass it meets as
+    /// often as it stops light, by a hash of the point. As many `hits` as rays. `planes`, where
+    /// given, get those of the triangles met: along a unit direction d from the origin, a plane
+    /// lies at distance 1 / dot(plane, d); zero where nothing is met.
     void meet(const Rays& rays, Hit* hits, vec3* planes = nullptr) const;
 
     /// What a camera's ray sees: it passes the backs of single-sided materials. Cast alone: which
     /// of two triangles owns a ray through their common edge differs by how many are cast together.
-    Hit seeAlone(const vec3& origin, const vec3& direction) const;
+    Sight seeAlone(const vec3& origin, const vec3& direction) const;
 
-    /// On which of at most kPacket ways nothing lies: bit k is the k-th one's, 0 where not asked.
-    uint32_t free(std::span<const Way> ways) const;
+    /// What share of light passes on each of at most kPacket ways; 0 where not asked.
+    using Shares = std::array<float, kPacket>;
+    Shares passing(std::span<const Way> ways) const;
 
   private:
     struct ReleaseDevice {
@@ -81,7 +99,8 @@ class Tracer {
         void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
     };
     void build();
-    Hit meetAlone(const vec3& origin, const vec3& direction, float from) const;
+    Hit meetAlone(const vec3& origin, const vec3& direction, float from, float to) const;
+    float passingVeils(const Way& way) const;
 
     const Scene& scene_;
     std::unique_ptr<RTCDeviceTy, ReleaseDevice> device_;

@@ -59,9 +59,8 @@ vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) 
             continue;
         }
         ++counters.rays;
-        if (arriving.way.distance == 0.0f || !rays.occluded(arriving.way)) {
-            sum += arriving.radiance;
-        }
+        sum += arriving.way.distance == 0.0f ? arriving.radiance
+                                             : rays.passing(arriving.way) * arriving.radiance;
     }
     return sum;
 }
@@ -87,10 +86,10 @@ void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec
         if (!any) {
             continue;
         }
-        std::array<bool, kPacket> hidden;
-        rays.occluded({ways.data(), surfaces.size()}, hidden.data());
+        std::array<float, kPacket> shares;
+        rays.passing({ways.data(), surfaces.size()}, shares.data());
         for (size_t k = 0; k < surfaces.size(); ++k) {
-            radiance[k] += hidden[k] ? vec3(0.0f) : unshadowed[k];
+            radiance[k] += shares[k] > 0.0f ? shares[k] * unshadowed[k] : vec3(0.0f);
         }
     }
 }
@@ -111,7 +110,8 @@ Scattered scatterChosen(const RayScene& rays, const Surface& s, const BrdfSample
         return {};
     }
     ++counters.rays;
-    return rays.occluded(choice.way) ? Scattered{} : scattered;
+    const float share = rays.passing(choice.way);
+    return {.all = share * scattered.all, .diffuse = share * scattered.diffuse};
 }
 
 vec3 lampMet(const Lights& lights, const Surface& q, uint32_t triangle, const vec3& from,
@@ -179,33 +179,39 @@ Frame emptyFrame(int width, int height) {
     return frame;
 }
 
-std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
-                                Frame& frame, Counters& counters) {
-    const CameraRay ray = cameraRay(camera, frame.width(), frame.height(), static_cast<float>(x),
-                                    static_cast<float>(y));
-    ++counters.rays;
-    const RayHit hit = rays.see(ray.origin, ray.direction);
-    if (!hit.found()) {
+std::optional<Surface> seePart(const RayScene& rays, const Camera& camera, const CameraRay& ray,
+                               const Seen& part, int x, int y, Frame& frame, Counters& counters) {
+    if (!part.hit.found()) {
         const Environment& sky = rays.scene().environment;
-        frame.emission.at(x, y) = sky.shows() ? sky.radiance(ray.direction) : vec3(0.0f);
+        frame.emission.at(x, y) +=
+            sky.shows() ? part.share * sky.radiance(ray.direction) : vec3(0.0f);
         return std::nullopt;
     }
-    const Surface p = rays.surfaceAt(hit, -ray.direction);
+    const Surface p = rays.surfaceAt(part.hit, -ray.direction);
     const vec3 forward = -vec3(camera.world_from_camera[2]);
-    frame.primitive.at(x, y) = hit.triangle;
+    frame.primitive.at(x, y) = part.hit.triangle;
     frame.depth.at(x, y) = glm::dot(p.position - ray.origin, forward);
     frame.position.at(x, y) = p.position;
     frame.normal.at(x, y) = p.n;
     frame.albedo.at(x, y) = p.brdf.diffuse;
     frame.roughness.at(x, y) = p.roughness;
-    frame.emission.at(x, y) = p.emission;
-    const vec3 direct = directRadiance(rays, p, counters);
+    frame.emission.at(x, y) += part.share * p.emission;
+    const vec3 direct = part.share * directRadiance(rays, p, counters);
     if (finite(direct)) {
-        frame.direct.at(x, y) = direct;
+        frame.direct.at(x, y) += direct;
     } else {
         ++counters.nonfinite;
     }
     return p;
+}
+
+std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
+                                Frame& frame, Counters& counters) {
+    const CameraRay ray = cameraRay(camera, frame.width(), frame.height(), static_cast<float>(x),
+                                    static_cast<float>(y));
+    ++counters.rays;
+    const Seen nearest{.hit = rays.see(ray.origin, ray.direction).front().hit};
+    return seePart(rays, camera, ray, nearest, x, y, frame, counters);
 }
 
 }  // namespace sheen

@@ -69,9 +69,13 @@ RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters&
 /// A frame that sees nothing: black layers of light and of the G-buffer, no variances.
 Frame emptyFrame(int width, int height);
 
-/// The surface at the centre of pixel (x, y), if there is one; sets the pixel's direct light by
-/// punctual lights, its emission (where there is no surface, the sky if that is to show) and
-/// G-buffer in `frame`.
+/// What a camera's ray, of pixel (x, y), sees in front or behind: the surface there, if there is
+/// one. Adds its share of direct light by punctual lights and of emission (where there is no
+/// surface, of the sky if that is to show) to `frame`, and sets the pixel's G-buffer there.
+std::optional<Surface> seePart(const RayScene& rays, const Camera& camera, const CameraRay& ray,
+                               const Seen& part, int x, int y, Frame& frame, Counters& counters);
+
+/// The nearest surface at the centre of pixel (x, y), taken as one through which nothing is seen.
 std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
                                 Frame& frame, Counters& counters);
 

@@ -91,7 +91,8 @@ LightChoice Lamps::choose(const vec3& from, const vec2& u) const {
     if (distance > 0.0f && cosine > 0.0f) {
         choice.way = {
             .origin = from, .direction = way / distance, .distance = distance * kWayShare};
-        choice.radiance = emissionAt(scene_, triangle, barycentric);
+        choice.radiance =
+            coverageAt(scene_, triangle, barycentric) * emissionAt(scene_, triangle, barycentric);
         choice.pdf = densities_[triangle] * distance * distance / cosine;
     }
     return choice;

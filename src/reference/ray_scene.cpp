@@ -2,10 +2,13 @@
 
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
 #include "core/error.h"
+#include "reference/sobol.h"
 #include "scene/brdf_albedo.h"
 
 namespace sheen {
@@ -48,13 +51,13 @@ RayHit hitOf(const RTCRayHit& ray) {
     return {.triangle = ray.hit.primID, .u = ray.hit.u, .v = ray.hit.v};
 }
 
-// What a mask leaves out, a ray does not meet.
+// What is not there, a ray does not meet.
 void rejectMasked(const RTCFilterFunctionNArguments* a) {
     const auto* scene = static_cast<const Scene*>(a->geometryUserPtr);
     for (unsigned int i = 0; i < a->N; ++i) {
         const float u = RTCHitN_u(a->hit, a->N, i), v = RTCHitN_v(a->hit, a->N, i);
         if (a->valid[i] != 0 &&
-            isHole(*scene, RTCHitN_primID(a->hit, a->N, i), vec3(1.0f - u - v, u, v))) {
+            coverageAt(*scene, RTCHitN_primID(a->hit, a->N, i), vec3(1.0f - u - v, u, v)) == 0.0f) {
             a->valid[i] = 0;
         }
     }
@@ -115,7 +118,8 @@ void RayScene::build() {
         std::memcpy(vertices, scene_.positions.data(), scene_.positions.size() * sizeof(vec3));
         std::memcpy(indices, scene_.triangles.data(), scene_.triangles.size() * sizeof(uvec3));
         for (const Material& material : scene_.materials) {
-            if (material.masked()) {
+            blended_ = blended_ || material.blended;
+            if (material.lightPasses()) {
                 rtcSetGeometryUserData(geometry, const_cast<Scene*>(&scene_));
                 rtcSetGeometryIntersectFilterFunction(geometry, &rejectMasked);
                 rtcSetGeometryOccludedFilterFunction(geometry, &rejectMasked);
@@ -129,41 +133,89 @@ void RayScene::build() {
     checkEmbree(device_.get(), "building the acceleration structure");
 }
 
-RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
+RTCRayHit RayScene::closest(const vec3& origin, const vec3& direction, float from, float to) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRayHit ray = makeRayHit(makeRay(origin, direction, kInfinity));
+    RTCRayHit ray = makeRayHit(makeRay(origin, direction, to));
+    ray.ray.tnear = from;
     rtcIntersect1(embree_.get(), &context, &ray);
-    return hitOf(ray);
+    return ray;
 }
 
-RayHit RayScene::see(const vec3& origin, const vec3& direction) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit ray = makeRayHit(makeRay(origin, direction, kInfinity));
-    while (true) {
-        rtcIntersect1(embree_.get(), &context, &ray);
+float RayScene::coverage(const RayHit& hit) const {
+    return coverageAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
+}
+
+// By chance, the same whenever the same point is hit.
+bool RayScene::stops(const RayHit& hit) const {
+    const uint32_t bits =
+        hashCombine(hashCombine(hash32(hit.triangle), std::bit_cast<uint32_t>(hit.u)),
+                    std::bit_cast<uint32_t>(hit.v));
+    return static_cast<float>(bits >> 8) * 0x1p-24f < coverage(hit);
+}
+
+RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
+    for (float from = 0.0f;;) {
+        const RTCRayHit ray = closest(origin, direction, from, kInfinity);
         const RayHit hit = hitOf(ray);
-        if (!hit.found() || glm::dot(n_g_[hit.triangle], direction) < 0.0f ||
-            !scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
+        if (!blended_ || !hit.found() || stops(hit)) {
             return hit;
         }
-        // On from the back.
-        const float passed = ray.ray.tfar;
-        ray = makeRayHit(makeRay(origin, direction, kInfinity));
-        ray.ray.tnear = std::nextafter(passed, kInfinity);
+        from = std::nextafter(ray.ray.tfar, kInfinity);
     }
 }
 
-bool RayScene::occluded(const ShadowRay& shadow) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRay ray = makeRay(shadow.origin, shadow.direction, shadow.distance);
-    rtcOccluded1(embree_.get(), &context, &ray);
-    return ray.tfar < 0.0f;  // Embree's sign for "something was hit"
+std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction) const {
+    std::vector<Seen> seen;
+    float share = 1.0f;
+    for (float from = 0.0f;;) {
+        const RTCRayHit ray = closest(origin, direction, from, kInfinity);
+        const RayHit hit = hitOf(ray);
+        if (!hit.found()) {
+            seen.push_back({.hit = hit, .share = share});
+            return seen;
+        }
+        from = std::nextafter(ray.ray.tfar, kInfinity);
+        if (glm::dot(n_g_[hit.triangle], direction) >= 0.0f &&
+            scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
+            continue;
+        }
+        const float stopped = blended_ ? coverage(hit) : 1.0f;
+        seen.push_back({.hit = hit, .share = share * stopped});
+        share *= 1.0f - stopped;
+        if (share == 0.0f) {
+            return seen;
+        }
+    }
+}
+
+float RayScene::passing(const ShadowRay& shadow) const {
+    if (!blended_) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        RTCRay ray = makeRay(shadow.origin, shadow.direction, shadow.distance);
+        rtcOccluded1(embree_.get(), &context, &ray);
+        return ray.tfar < 0.0f ? 0.0f : 1.0f;  // Embree's sign for "something was hit"
+    }
+    float share = 1.0f;
+    for (float from = 0.0f; share > 0.0f;) {
+        const RTCRayHit ray = closest(shadow.origin, shadow.direction, from, shadow.distance);
+        const RayHit hit = hitOf(ray);
+        if (!hit.found()) {
+            break;
+        }
+        share *= 1.0f - coverage(hit);
+        from = std::nextafter(ray.ray.tfar, kInfinity);
+    }
+    return share;
 }
 
 void RayScene::intersect(const vec3& origin, std::span<const vec3> directions, RayHit* hits) const {
+    if (blended_) {
+        std::transform(directions.begin(), directions.end(), hits,
+                       [&](const vec3& direction) { return intersect(origin, direction); });
+        return;
+    }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -185,7 +237,13 @@ void RayScene::intersect(const vec3& origin, std::span<const vec3> directions, R
     }
 }
 
-void RayScene::occluded(std::span<const ShadowRay> rays, bool* hidden) const {
+void RayScene::passing(std::span<const ShadowRay> rays, float* shares) const {
+    if (blended_) {
+        std::transform(rays.begin(), rays.end(), shares, [&](const ShadowRay& ray) {
+            return ray.distance > 0.0f ? passing(ray) : 1.0f;
+        });
+        return;
+    }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -197,7 +255,7 @@ void RayScene::occluded(std::span<const ShadowRay> rays, bool* hidden) const {
     }
     rtcOccluded8(cast, embree_.get(), &context, &packet);
     for (size_t k = 0; k < rays.size(); ++k) {
-        hidden[k] = cast[k] != 0 && packet.tfar[k] < 0.0f;
+        shares[k] = cast[k] != 0 && packet.tfar[k] < 0.0f ? 0.0f : 1.0f;
     }
 }
 

@@ -23,7 +23,7 @@ struct RayHit {
 };
 
 /// A point of a surface as seen from direction wo: geometry and material, by the conventions all
-/// stages share (opaque, two-sided).
+/// stages share (two-sided).
 struct Surface {
     vec3 position{0.0f};  ///< world space
     vec3 n_g{0.0f};       ///< geometric normal, unit, on the side of wo
@@ -39,6 +39,12 @@ struct Surface {
     vec3 rayOrigin() const { return position + offset * n_g; }
 };
 
+/// A part of what a camera's ray sees.
+struct Seen {
+    RayHit hit;
+    float share = 1.0f;  ///< of the light that reaches the eye
+};
+
 /// The way from a surface to a light: t in [0, distance), direction unit.
 struct ShadowRay {
     vec3 origin{0.0f};
@@ -52,21 +58,23 @@ class RayScene {
     /// Environment error where Embree cannot start or runs out of memory.
     explicit RayScene(const Scene& scene);
 
-    /// The closest hit of origin + t * direction, t >= 0.
+    /// The closest hit of origin + t * direction, t >= 0. Blended surfaces are hit as often as they
+    /// stop light.
     RayHit intersect(const vec3& origin, const vec3& direction) const;
-    /// The same for a camera's ray, which does not see the backs of single-sided materials.
-    RayHit see(const vec3& origin, const vec3& direction) const;
-    /// Whether anything lies on the way.
-    bool occluded(const ShadowRay& ray) const;
+    /// What a camera's ray sees, from the eye on: it does not see the backs of single-sided
+    /// materials, and through blended surfaces. The last may be a miss.
+    std::vector<Seen> see(const vec3& origin, const vec3& direction) const;
+    /// What share of the light passes on the way.
+    float passing(const ShadowRay& ray) const;
 
     /// At most this many rays that start near each other and point in similar directions are
     /// cheaper together.
     static constexpr int kPacket = 8;
     /// As above, for each of `directions`; as many `hits`.
     void intersect(const vec3& origin, std::span<const vec3> directions, RayHit* hits) const;
-    /// As above, for each of `rays`; those of distance 0 are not cast, and not hidden. As many
-    /// `hidden`.
-    void occluded(std::span<const ShadowRay> rays, bool* hidden) const;
+    /// As above, for each of `rays`; those of distance 0 are not cast, and all passes. As many
+    /// `shares`.
+    void passing(std::span<const ShadowRay> rays, float* shares) const;
     /// The surface at a hit of a ray of direction -wo.
     Surface surfaceAt(const RayHit& hit, const vec3& wo) const;
 
@@ -80,8 +88,12 @@ class RayScene {
         void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
     };
     void build();
+    RTCRayHit closest(const vec3& origin, const vec3& direction, float from, float to) const;
+    float coverage(const RayHit& hit) const;
+    bool stops(const RayHit& hit) const;
 
     const Scene& scene_;
+    bool blended_ = false;   ///< some material is
     std::vector<vec3> n_g_;  ///< [triangle], unit, by winding
     std::unique_ptr<RTCDeviceTy, ReleaseDevice> device_;
     std::unique_ptr<RTCSceneTy, ReleaseScene> embree_;

@@ -33,6 +33,7 @@ constexpr uint32_t kDirectSeed = 0x64697265u;
 // Where a pixel's paths start: the point they leave and how they leave it.
 struct Start {
     const Surface& p;
+    float share;  // of the pixel's light
     BrdfSampler sampler;
     Guide guide;
 };
@@ -200,10 +201,11 @@ void estimateIndirect(const Context& context, Start& start, uint32_t pixel_seed,
         all.add(all_sum / samples);
         diffuse.add(diffuse_sum / samples);
     }
-    frame.indirect.at(x, y) = vec3(all.mean);
-    frame.indirect_variance.at(x, y) = all.varianceOfMean();
-    frame.indirect_diffuse.at(x, y) = vec3(diffuse.mean);
-    frame.indirect_diffuse_variance.at(x, y) = diffuse.varianceOfMean();
+    const float share2 = start.share * start.share;
+    frame.indirect.at(x, y) += start.share * vec3(all.mean);
+    frame.indirect_variance.at(x, y) += share2 * all.varianceOfMean();
+    frame.indirect_diffuse.at(x, y) += start.share * vec3(diffuse.mean);
+    frame.indirect_diffuse_variance.at(x, y) += share2 * diffuse.varianceOfMean();
 }
 
 // A guide of where on the lamps the light of a pixel comes from: not from their backs, nor from
@@ -241,24 +243,35 @@ void estimateLamps(const Context& context, const Start& start, uint32_t pixel_se
         }
         lamps.add(sum / static_cast<double>(context.samples_per_replicate));
     }
-    frame.direct.at(x, y) += vec3(lamps.mean);
-    frame.direct_variance.at(x, y) = lamps.varianceOfMean();
+    frame.direct.at(x, y) += start.share * vec3(lamps.mean);
+    frame.direct_variance.at(x, y) += start.share * start.share * lamps.varianceOfMean();
 }
 
 void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
                  Counters& counters) {
-    const std::optional<Surface> p =
-        seePixel(context.rays, context.params.camera, x, y, result.frame, counters);
-    if (p) {
+    const Camera& camera = context.params.camera;
+    const CameraRay ray = cameraRay(camera, context.params.width, context.params.height,
+                                    static_cast<float>(x), static_cast<float>(y));
+    ++counters.rays;
+    uint32_t pixel_seed =
+        hashCombine(hashCombine(hash32(context.params.seed), static_cast<uint32_t>(x)),
+                    static_cast<uint32_t>(y));
+    for (const Seen& part : context.rays.see(ray.origin, ray.direction)) {
+        const std::optional<Surface> p =
+            seePart(context.rays, camera, ray, part, x, y, result.frame, counters);
+        if (!p) {
+            break;
+        }
         result.specular_albedo.at(x, y) = p->specular_albedo;
-        Start start{.p = *p, .sampler = {p->brdf, p->specular_albedo, p->n, p->wo}, .guide = {}};
-        const uint32_t pixel_seed =
-            hashCombine(hashCombine(hash32(context.params.seed), static_cast<uint32_t>(x)),
-                        static_cast<uint32_t>(y));
+        Start start{.p = *p,
+                    .share = part.share,
+                    .sampler = {p->brdf, p->specular_albedo, p->n, p->wo},
+                    .guide = {}};
         if (!context.lights.lamps.empty()) {
             estimateLamps(context, start, pixel_seed, x, y, result.frame, counters);
         }
         estimateIndirect(context, start, pixel_seed, x, y, result.frame, counters);
+        pixel_seed = hash32(pixel_seed);
     }
 }
 

@@ -18,6 +18,7 @@
 #include "gl/objects.h"
 #include "receivers/classes.h"
 #include "render/session.h"
+#include "render/veils.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -300,18 +301,34 @@ void renderInTime(const RenderParams& params, const Timer& timer, SceneState& st
     }
 }
 
-RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
-                           const RenderParams& params, const Timer& timer) {
-    RenderResult result;
-    RenderStats& stats = result.stats;
-    stats.seconds = made_in;
-    ViewState view(state, params, stats.seconds);
+void renderView(const RenderParams& params, const Timer& timer, SceneState& state, ViewState& view,
+                RenderResult& result) {
     if (params.target_error > 0.0) {
         renderToTarget(params, state, view, result);
     } else if (params.time_limit > 0.0) {
         renderInTime(params, timer, state, view, result);
     } else {
         renderPass(params, {.accuracy = params.placement.accuracy}, state, view, result);
+    }
+}
+
+RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
+                           const RenderParams& params, const Timer& timer) {
+    RenderResult result;
+    RenderStats& stats = result.stats;
+    stats.seconds = made_in;
+    ViewState view(state, params, stats.seconds);
+    RenderParams each = params;
+    each.time_limit /= view.veils + 1;
+    renderView(each, timer, state, view, result);
+    VeiledFrame veiled(result, view.share);
+    for (int veil = 1; veil <= view.veils; ++veil) {
+        RenderResult of_veil;
+        of_veil.stats.seconds = stats.seconds;
+        ViewState veil_view(state, params, of_veil.stats.seconds, veil);
+        each.time_limit += params.time_limit / (view.veils + 1);
+        renderView(each, timer, state, veil_view, of_veil);
+        veiled.add(std::move(of_veil), veil_view.share);
     }
     countPixels(result);
     stats.gl_renderer = state.pool.renderer();

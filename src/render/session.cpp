@@ -68,12 +68,17 @@ SceneState::~SceneState() {
 
 // rays -> G-buffer -> receivers -> rays where the cache cannot follow. Direct light comes from rays
 // where records use rays, else from shadow maps.
-ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds) {
+ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds,
+                     int veil) {
     GBuffer gbuffer = timed(seconds.gbuffer, [&] {
         const Camera camera = findCamera(state.scene, params.camera);
-        return renderGBuffer(state.tracer, camera, params.width, params.height);
+        return renderGBuffer(state.tracer, camera, params.width, params.height, veil);
     });
-    state.prepareFor(nearBoxes(state.scene, gbuffer), seconds);
+    share = std::move(gbuffer.share);
+    veils = gbuffer.veils;
+    if (veil == 0) {  // what is prepared for the whole scene serves veils too
+        state.prepareFor(nearBoxes(state.scene, gbuffer), seconds);
+    }
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {

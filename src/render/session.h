@@ -40,9 +40,12 @@ struct ViewState {
     Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
     RecordField field;
     int gather_size = 0;  // that these were gathered with, or more
+    Image<float> share;   // of each pixel's light; empty: all of it
+    int veils = 0;        // blended surfaces before what is seen, each a view of its own
 
-    /// Usage error where the camera does not exist.
-    ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds);
+    /// Of what the camera sees behind all blended surfaces, or, where `veil` is not 0, the so
+    /// manieth of these. Usage error where the camera does not exist.
+    ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil = 0);
 };
 
 }  // namespace sheen

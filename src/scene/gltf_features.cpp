@@ -106,7 +106,7 @@ void listFeatures(const File& file, Scene& scene) {
     add(material([](const Material& m) { return m.alphaMode == "MASK"; }), "alphaMode MASK",
         kRight);
     add(material([](const Material& m) { return m.alphaMode == "BLEND"; }), "alphaMode BLEND",
-        "approximated: opaque where alpha is a half or more");
+        "right but for records that are rasterised");
     add(primitive([](const Primitive& p) { return p.attributes.count("COLOR_0") > 0; }),
         "vertex colours", kRight);
     add(primitive([](const Primitive& p) { return !p.targets.empty(); }), "morph targets",

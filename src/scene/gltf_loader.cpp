@@ -82,6 +82,7 @@ Scene loadScene(const std::string& path, const std::string& camera,
         gltf::checkExtent(file, scene);
         gltf::placeParallelCameras(file, scene);
         gltf::checkLightLevel(file, scene);
+        gltf::dropIdleBlending(scene);
         gltf::separateCoplanar(file, scene);
     } catch (const std::bad_alloc&) {
         throwEnvironment("{}: not enough memory to load it", path);

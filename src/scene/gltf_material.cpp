@@ -77,20 +77,18 @@ void loadTextures(const File& file, const tinygltf::Material& source, const std:
 // What is left of it, and on which sides.
 void readCoverage(File& file, const tinygltf::Material& source, const std::string& where,
                   Material& material) {
-    constexpr float kHalf = 0.5f;
     material.single_sided = !source.doubleSided;
     material.alpha = clampedFactor(file, source.pbrMetallicRoughness.baseColorFactor[3], 1.0, where,
                                    "baseColorFactor");
     if (source.alphaMode == "MASK") {
         material.alpha_cutoff = finiteFloat(file, source.alphaCutoff, where, "alphaCutoff");
     } else if (source.alphaMode == "BLEND") {
-        material.alpha_cutoff = kHalf;
-        file.notes.add("alphaMode BLEND is approximated: opaque where alpha is a half or more");
+        material.blended = true;
     } else if (source.alphaMode != "OPAQUE") {
         file.notes.add(fmt::format("alphaMode {} is unknown: material shown opaque",
                                    oneLine(source.alphaMode)));
     }
-    if (material.masked()) {
+    if (material.lightPasses()) {
         material.alpha_texture = material.textures[shared::TEXTURE_BASE_COLOR];
     }
 }
@@ -147,7 +145,36 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     return material;
 }
 
+bool opaqueTexels(const TextureImage& image) {
+    for (size_t i = 3; i < image.bytes.size(); i += 4) {
+        if (image.bytes[i] != 255) {
+            return false;
+        }
+    }
+    for (size_t i = 3; i < image.words.size(); i += 4) {
+        if (image.words[i] != 65535) {
+            return false;
+        }
+    }
+    return true;
+}
+
 }  // namespace
+
+void dropIdleBlending(Scene& scene) {
+    const bool opaque_vertices = std::all_of(scene.colors.begin(), scene.colors.end(),
+                                             [](const vec4& color) { return color.w == 1.0f; });
+    for (Material& material : scene.materials) {
+        const bool opaque_texture =
+            !material.alpha_texture.used() ||
+            opaqueTexels(scene.images[static_cast<size_t>(
+                scene.textures[static_cast<size_t>(material.alpha_texture.texture)].image)]);
+        if (material.blended && material.alpha == 1.0f && opaque_vertices && opaque_texture) {
+            material.blended = false;
+            material.alpha_texture = {};
+        }
+    }
+}
 
 void loadMaterials(File& file, Scene& scene) {
     TextureLoader loader(file, scene);

@@ -168,6 +168,9 @@ class TextureLoader {
 /// textures they use.
 void loadMaterials(File& file, Scene& scene);
 
+/// Makes opaque what is blended and opaque all over, as exporters write it.
+void dropIdleBlending(Scene& scene);
+
 /// Appends what the nodes of the file's scene show: meshes, cameras and lights.
 void appendNodes(File& file, Scene& scene);
 

@@ -163,17 +163,21 @@ vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) 
     return emission;
 }
 
-bool isHole(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
+float coverageAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
+    constexpr float kUnseen = 1.0f / 512.0f;  // half a step of 8 bits
     const Material& material = scene.materials[scene.materials_of[triangle]];
-    if (!material.masked()) {
-        return false;
+    if (!material.lightPasses()) {
+        return 1.0f;
     }
     float alpha = material.alpha;
     if (material.alpha_texture.used()) {
         alpha *= texelAt(scene, triangle, barycentric, material.alpha_texture).w;
     }
     alpha *= vertexColorAt(scene, triangle, barycentric).w;
-    return alpha < material.alpha_cutoff;
+    if (material.masked()) {
+        return alpha < material.alpha_cutoff ? 0.0f : 1.0f;
+    }
+    return alpha < kUnseen ? 0.0f : alpha > 1.0f - kUnseen ? 1.0f : alpha;
 }
 
 vec3 meanEmission(const Scene& scene, uint32_t triangle) {

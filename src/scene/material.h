@@ -68,6 +68,8 @@ struct Material {
     float alpha = 1.0f;  ///< factor, which texture and vertices multiply
     /// What has less alpha is not there; 0: all of it is.
     float alpha_cutoff = 0.0f;
+    /// What has less alpha than 1 lets the rest of the light pass.
+    bool blended = false;
     TextureUse alpha_texture = {};
 
     bool textured() const {
@@ -80,6 +82,8 @@ struct Material {
     }
     /// Whether some point of it may be missing.
     bool masked() const { return alpha_cutoff > 0.0f; }
+    /// Whether light may pass some point of it.
+    bool lightPasses() const { return masked() || blended; }
     /// Whether some point of it does.
     bool emits() const { return params.emission != vec3(0.0f); }
 };

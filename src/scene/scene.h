@@ -106,8 +106,9 @@ std::vector<vec4> linearTexels(const Scene& scene, const Texture& texture);
 /// What the point emits, nits: the emission of materialAt(), for less.
 vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
 
-/// Whether the surface is missing at a point: by its mask, light and rays pass.
-bool isHole(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+/// What share of the light the surface stops, scatters or adds to at a point; the rest passes. 1
+/// without alpha; by a mask 0 or 1; where it is blended, its alpha.
+float coverageAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
 
 /// Of all points of a triangle, nits.
 vec3 meanEmission(const Scene& scene, uint32_t triangle);
