@@ -167,6 +167,10 @@ TEST_F(CliTest, badScenes) {
 TEST_F(CliTest, unknownCamera) {
     expectError(std::string(kReference) + " --camera side", ExitCode::kUsage, "--camera side");
     expectError(std::string(kReference) + " --camera 7", ExitCode::kUsage, "front");
+    expectError(std::string(kReference) + " --camera-at 1,2", ExitCode::kUsage, "must be X,Y,Z");
+    expectError(std::string(kReference) + " --look-at 1,2,3,4", ExitCode::kUsage, "must be X,Y,Z");
+    expectError(std::string(kReference) + " --fov 180", ExitCode::kUsage, "--fov");
+    expectError(std::string(kReference) + " --variant red", ExitCode::kUsage, "has none");
 }
 
 TEST_F(CliTest, unwritableOutputIsFoundBeforeRendering) {

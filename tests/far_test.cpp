@@ -197,10 +197,10 @@ TEST(FarScene, TheChosenCamerasPlaceDecides) {
     const std::filesystem::path path = folder.path() / "rooms.glb";
     writeScene(both, path);
     EXPECT_EQ(loadScene(path.string()).origin, dvec3(0.0));
-    const Scene far = loadScene(path.string(), "far camera");
+    const Scene far = loadScene(path.string(), {.camera = "far camera"});
     EXPECT_LT(glm::distance(far.origin, dvec3(both.cameras[1].position)), 1.0);
     EXPECT_LT(glm::length(vec3(findCamera(far, "far camera").world_from_camera[3])), 1.0f);
-    EXPECT_THROW(loadScene(path.string(), "no such"), Error);
+    EXPECT_THROW(loadScene(path.string(), {.camera = "no such"}), Error);
 }
 
 std::vector<Bounds> boxesOf(const Place& place) {

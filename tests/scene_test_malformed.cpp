@@ -231,11 +231,6 @@ const Breakage kBreakages[] = {
          j["accessors"][0].erase("bufferView");
      },
      "KHR_draco_mesh_compression"},
-    {"UsesMeshopt",
-     [](Json& j) {
-         j["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = {{"buffer", 0}};
-     },
-     "EXT_meshopt_compression"},
     {"VersionOne", [](Json& j) { j["asset"]["version"] = "1.0"; }, "version"},
     {"AssetMissing", [](Json& j) { j.erase("asset"); }, "asset"},
     {"MeshesAreNumbers",

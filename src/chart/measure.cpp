@@ -126,7 +126,7 @@ class Sweep {
     Chart run() {
         // Everything that can be wrong is looked at before the long work.
         for (ChartScene& chart_scene : scenes_) {
-            const Scene scene = loadScene(chart_scene.file, params_.camera, params_.environment);
+            const Scene scene = loadScene(chart_scene.file, loadParams());
             checkNotOverwritten(scene.files);
             identities_.push_back(identify(scene, params_.camera, chart_scene));
         }
@@ -167,6 +167,10 @@ class Sweep {
     }
 
   private:
+    LoadParams loadParams() const {
+        return {.camera = params_.camera, .environment = params_.environment};
+    }
+
     void checkNotOverwritten(const std::vector<std::string>& inputs) const {
         for (const char* report : kReportFiles) {
             for (const std::string& input : inputs) {
@@ -259,8 +263,8 @@ class Sweep {
             fmt::format("{}, reference, {} paths a pixel", scene.name, reference.params.spp);
         say(fmt::format("{} ...\n", what));
         const Timer timer;
-        const RenderResult result = renderFrame(
-            loadScene(scene.file, params_.camera, params_.environment), reference.params);
+        const RenderResult result =
+            renderFrame(loadScene(scene.file, loadParams()), reference.params);
         writeExr(reference.file.string() + ".exr", result.frame, ExrLayers::kBasic);
         StoredPoint point = {.key = reference.key, .measured = {}};
         point.measured.host = host_;

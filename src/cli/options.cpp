@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kMaxSide = 16384;
 constexpr float kMaxStops = 50.0f;
+constexpr double kFarthest = 1e15;  // of a point, each way
 constexpr int kMinShOrder = 2;
 constexpr int kMaxShOrder = 10;
 
@@ -73,6 +74,23 @@ std::optional<float> parseExposure(const std::string& text) {
         throwUsage("--exposure {}: must be auto or stops in {}..{}", text, -kMaxStops, kMaxStops);
     }
     return stops;
+}
+
+dvec3 parsePoint(const char* option, const std::string& text) {
+    dvec3 point(0.0);
+    std::string_view rest = text;
+    for (int c = 0; c < 3; ++c) {
+        const size_t comma = c < 2 ? rest.find(',') : rest.size();
+        const std::optional<double> number = comma == std::string_view::npos
+                                                 ? std::nullopt
+                                                 : parseNumber<double>(rest.substr(0, comma));
+        if (!number || !(std::abs(*number) <= kFarthest)) {
+            throwUsage("{} {}: must be X,Y,Z, as in 1.5,0,-2", option, text);
+        }
+        point[c] = *number;
+        rest = rest.substr(std::min(comma + 1, rest.size()));
+    }
+    return point;
 }
 
 int parseShOrder(const std::string& text) {

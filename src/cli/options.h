@@ -22,6 +22,9 @@ ivec2 parseSize(const std::string& text);
 /// "auto" (none) or a number of stops in [-50, 50]. Usage error otherwise.
 std::optional<float> parseExposure(const std::string& text);
 
+/// "X,Y,Z", numbers. Usage error otherwise, which names the option.
+dvec3 parsePoint(const char* option, const std::string& text);
+
 /// "auto" (0) or 2..10. Usage error otherwise.
 int parseShOrder(const std::string& text);
 

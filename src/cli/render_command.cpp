@@ -57,7 +57,10 @@ struct RenderOptions {
     std::string layers = "basic";
     std::string json;
     int threads = 0;
-    EnvironmentParams environment;
+    LoadParams load;
+    std::string camera_at;
+    std::string look_at;
+    double fov = 0.0;  // degrees; 0: the camera's
     RenderParams params;
     std::vector<LimitedOption> limited;
     CLI::Option* exposure_option = nullptr;
@@ -88,7 +91,18 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
     app.add_option("--size", o.size, "Width x height in pixels, each 1..16384")
         ->capture_default_str();
     app.add_option("--camera", o.params.camera, "Name or number of a camera; default: the first");
-    addEnvironmentOptions(app, o.environment);
+    app.add_option("--camera-at", o.camera_at,
+                   "Where to see the scene from, in the file's coordinates")
+        ->type_name("X,Y,Z")
+        ->check(fileName());
+    app.add_option("--look-at", o.look_at,
+                   "A point to look at; with --camera-at, default: the scene's middle")
+        ->type_name("X,Y,Z")
+        ->check(fileName());
+    app.add_option("--fov", o.fov, "Vertical field of view, degrees; default: the camera's")
+        ->check(numberIn(0.1, 179));
+    app.add_option("--variant", o.load.variant, "Materials by a name of KHR_materials_variants");
+    addEnvironmentOptions(app, o.load.environment);
     o.exposure_option =
         app.add_option("--exposure", o.exposure,
                        "PNG only: stops, or auto: the log-average becomes middle grey")
@@ -359,6 +373,23 @@ void writeFrame(const RenderOptions& o, FileKind kind, const Frame& frame) {
     }
 }
 
+void parseView(RenderOptions& o) {
+    Viewpoint& view = o.load.view;
+    if (!o.camera_at.empty()) {
+        view.at = parsePoint("--camera-at", o.camera_at);
+    }
+    if (!o.look_at.empty()) {
+        view.look_at = parsePoint("--look-at", o.look_at);
+    }
+    if (o.fov > 0.0) {
+        view.y_fov = static_cast<float>(glm::radians(o.fov));
+    }
+    o.load.camera = o.params.camera;
+    if (view.given()) {
+        o.params.camera.clear();  // it becomes the first
+    }
+}
+
 ExitCode runRender(RenderOptions& o) {
     const Timer total;
     const ivec2 size = parseSize(o.size);
@@ -370,6 +401,7 @@ ExitCode runRender(RenderOptions& o) {
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.all_layers = o.layers == "all";
     parseExposure(o.exposure);
+    parseView(o);
     checkMethodOptions(o);
     o.output = o.output.empty() ? defaultOutput(o.scene) : o.output;
     const FileKind kind = imageKind(o.output);
@@ -377,7 +409,7 @@ ExitCode runRender(RenderOptions& o) {
     setThreadCount(o.threads);
 
     const Timer load;
-    const Scene scene = loadScene(o.scene, o.params.camera, o.environment);
+    const Scene scene = loadScene(o.scene, o.load);
     for (const std::string& warning : scene.warnings) {
         warn(warning);
     }

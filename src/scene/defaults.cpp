@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
+
 namespace sheen {
 namespace {
 
@@ -20,19 +22,62 @@ vec3 backAlongGround(const Camera& camera) {
     return glm::normalize(back);
 }
 
+// Upright, looking back along a unit direction; straight down or up, with -z or z up in the image.
+mat3 uprightAxes(const vec3& back) {
+    constexpr float kSteep = 1e-4f;
+    vec3 right = glm::cross(kUp, back);
+    right = glm::length(right) > kSteep ? glm::normalize(right) : vec3(1.0f, 0.0f, 0.0f);
+    return {right, glm::cross(back, right), back};
+}
+
+mat4 pose(const mat3& axes, const vec3& eye) {
+    return mat4(vec4(axes[0], 0.0f), vec4(axes[1], 0.0f), vec4(axes[2], 0.0f), vec4(eye, 1.0f));
+}
+
 }  // namespace
 
-Camera framingCamera(const Bounds& bounds) {
+Camera framingCamera(const Scene& scene) {
+    constexpr float kFilled = 0.9f;  // of the image's height
+    const vec3 kBack = glm::normalize(vec3(0.7f, 0.45f, 1.0f));
     Camera camera{.name = "default"};
-    if (bounds.empty()) {
+    if (scene.bounds.empty()) {
         return camera;
     }
-    const vec3 back = glm::normalize(vec3(0.35f, 0.3f, 1.0f));
-    const vec3 right = glm::normalize(glm::cross(kUp, back));
-    const vec3 up = glm::cross(back, right);
-    const float distance = 0.5f * bounds.size() / std::sin(0.5f * camera.y_fov);
-    camera.world_from_camera = mat4(vec4(right, 0.0f), vec4(up, 0.0f), vec4(back, 0.0f),
-                                    vec4(bounds.center() + distance * back, 1.0f));
+    const mat3 axes = uprightAxes(kBack);
+    // Of a pyramid from the eye, each side touches a point of the scene: the farthest in that
+    // direction, and back, where the eye is.
+    const float slope = kFilled * std::tan(0.5f * camera.y_fov);
+    vec3 lower(kInfinity), upper(-kInfinity);
+    for (const vec3& position : scene.positions) {
+        const vec3 p = (position - scene.bounds.center()) * axes;
+        lower = glm::min(lower, vec3(p.x - slope * p.z, p.y - slope * p.z, p.z));
+        upper = glm::max(upper, vec3(p.x + slope * p.z, p.y + slope * p.z, p.z));
+    }
+    const vec3 middle = 0.5f * (lower + upper);
+    const vec3 half = 0.5f * (upper - lower);
+    // All of it lies before the eye, however flat it is.
+    const float distance =
+        std::max(std::max(half.x, half.y) / slope, upper.z + 0.01f * scene.bounds.size());
+    camera.world_from_camera =
+        pose(axes, scene.bounds.center() + axes * vec3(middle.x, middle.y, distance));
+    return camera;
+}
+
+Camera seenFrom(const Scene& scene, const LoadParams& params) {
+    const Viewpoint& view = params.view;
+    Camera camera = findCamera(scene, params.camera);
+    camera.name = "view";
+    const vec3 eye = view.at ? vec3(*view.at - scene.origin) : vec3(camera.world_from_camera[3]);
+    if (view.at || view.look_at) {
+        const vec3 back =
+            eye - (view.look_at ? vec3(*view.look_at - scene.origin) : scene.bounds.center());
+        if (!(glm::length(back) > 0.0f)) {
+            throwUsage("--camera-at, --look-at: both are one point; name another");
+        }
+        camera.world_from_camera = pose(uprightAxes(glm::normalize(back)), eye);
+        camera.near = 0.0f;
+    }
+    camera.y_fov = view.y_fov.value_or(camera.y_fov);
     return camera;
 }
 

@@ -6,8 +6,12 @@
 
 namespace sheen {
 
-/// Looks at the centre of the bounds from the front, a little from above, with all of them in view.
-Camera framingCamera(const Bounds& bounds);
+/// Looks at the scene from the front and the side, a little from above, as near as leaves all of it
+/// in view in an image that is no higher than wide.
+Camera framingCamera(const Scene& scene);
+
+/// The camera that a view of one's own makes of the one it begins with (LoadParams::view).
+Camera seenFrom(const Scene& scene, const LoadParams& params);
 
 /// Whether nothing lights the scene: no light, no triangle that emits, no sky.
 bool isDark(const Scene& scene);

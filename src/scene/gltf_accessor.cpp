@@ -156,27 +156,26 @@ std::vector<double> readAccessor(const File& file, const tinygltf::Accessor& acc
 
 }  // namespace
 
+ByteSpan bytesOf(const File& file, int index, size_t offset, size_t length,
+                 const std::string& where) {
+    const FileBytes& buffer = file.at(file.buffers, index, where, "buffer");
+    if (!buffer.missing.empty()) {
+        file.fail(fmt::format("buffer {}", index), "{}", buffer.missing);
+    }
+    if (offset > buffer.bytes.size() || length > buffer.bytes.size() - offset) {
+        file.fail(where,
+                  "{} bytes at offset {} reach beyond the {} bytes of buffer {}; the file is "
+                  "truncated or wrongly written, export it again",
+                  length, offset, buffer.bytes.size(), index);
+    }
+    return {buffer.bytes.data() + offset, length};
+}
+
 ByteSpan bufferViewBytes(const File& file, int buffer_view, const std::string& where) {
     const tinygltf::BufferView& view =
         file.at(file.model.bufferViews, buffer_view, where, "buffer view");
-    for (const char* compression : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-        if (view.extensions.count(compression) > 0) {
-            file.fail(where, "{} is not supported; export the file uncompressed", compression);
-        }
-    }
-    const FileBytes& buffer =
-        file.at(file.buffers, view.buffer, fmt::format("buffer view {}", buffer_view), "buffer");
-    if (!buffer.missing.empty()) {
-        file.fail(fmt::format("buffer {}", view.buffer), "{}", buffer.missing);
-    }
-    if (view.byteOffset > buffer.bytes.size() ||
-        view.byteLength > buffer.bytes.size() - view.byteOffset) {
-        file.fail(fmt::format("buffer view {}", buffer_view),
-                  "{} bytes at offset {} reach beyond the {} bytes of buffer {}; the file is "
-                  "truncated or wrongly written, export it again",
-                  view.byteLength, view.byteOffset, buffer.bytes.size(), view.buffer);
-    }
-    return {buffer.bytes.data() + view.byteOffset, view.byteLength};
+    return bytesOf(file, view.buffer, view.byteOffset, view.byteLength,
+                   fmt::format("buffer view {}", buffer_view));
 }
 
 uint64_t accessorCount(const File& file, const tinygltf::Accessor& accessor) {
@@ -202,6 +201,8 @@ int accessorComponents(const File& file, int accessor_index, const std::string& 
             return 3;
         case TINYGLTF_TYPE_VEC4:
             return 4;
+        case TINYGLTF_TYPE_MAT4:
+            return 16;
         default:
             return 0;
     }
@@ -213,7 +214,8 @@ std::vector<float> readFloats(const File& file, int accessor_index, int componen
         file.at(file.model.accessors, accessor_index, owner, "accessor");
     const std::string where = fmt::format("{}, accessor {}", owner, accessor_index);
     if (accessorComponents(file, accessor_index, owner) != components) {
-        file.fail(where, "its type must be VEC{}; export the file again", components);
+        file.fail(where, "its type must be {}; export the file again",
+                  components == 16 ? "MAT4" : fmt::format("VEC{}", components));
     }
     const int type = accessor.componentType;
     const bool is_float = type == TINYGLTF_COMPONENT_TYPE_FLOAT;

@@ -14,6 +14,7 @@ constexpr const char* kRefused = "refused";
 // Those that a file may require; others are ignored where they are optional.
 const std::map<std::string, const char*> kExtensions = {
     {"EXT_mesh_gpu_instancing", kRight},
+    {"EXT_meshopt_compression", kRight},
     {"EXT_texture_avif", kIgnored},
     {"EXT_texture_webp", kIgnored},
     {"KHR_animation_pointer", kIgnored},
@@ -23,16 +24,19 @@ const std::map<std::string, const char*> kExtensions = {
     {"KHR_materials_diffuse_transmission", kIgnored},
     {"KHR_materials_dispersion", kIgnored},
     {"KHR_materials_emissive_strength", kRight},
-    {"KHR_materials_ior", kIgnored},
+    {"KHR_materials_ior", kRight},
     {"KHR_materials_iridescence", kIgnored},
-    {"KHR_materials_pbrSpecularGlossiness", kIgnored},
+    {"KHR_materials_pbrSpecularGlossiness",
+     "approximated: a dielectric with that specular colour, which takes from the diffuse light by "
+     "its albedo"},
     {"KHR_materials_sheen", kIgnored},
     {"KHR_materials_specular", kRight},
     {"KHR_materials_transmission", kIgnored},
     {"KHR_materials_unlit", "approximated: its colour is emission, which lights the scene"},
-    {"KHR_materials_variants", kIgnored},
+    {"KHR_materials_variants", kRight},
     {"KHR_materials_volume", kIgnored},
     {"KHR_mesh_quantization", kRight},
+    {"KHR_meshopt_compression", kRight},
     {"KHR_texture_basisu", kIgnored},
     {"KHR_texture_transform", kRight},
     {"KHR_xmp", kUnseen},
@@ -40,19 +44,12 @@ const std::map<std::string, const char*> kExtensions = {
     {"MSFT_texture_dds", kIgnored},
 };
 
-// What a mesh cannot be read without.
-const std::map<std::string, const char*> kRefusedExtensions = {
-    {"EXT_meshopt_compression", kRefused},
-    {"KHR_draco_mesh_compression", kRefused},
-    {"KHR_meshopt_compression", kRefused},
-};
-
 const char* treatmentOf(const std::string& extension) {
     const auto known = kExtensions.find(extension);
     if (known != kExtensions.end()) {
         return known->second;
     }
-    return kRefusedExtensions.count(extension) > 0 ? kRefused : kIgnored;
+    return extension == "KHR_draco_mesh_compression" ? kRefused : kIgnored;
 }
 
 // Whether `of` holds for one of a list.
@@ -79,7 +76,10 @@ void noteIgnoredParts(File& file) {
 void listFeatures(const File& file, Scene& scene) {
     const tinygltf::Model& model = file.model;
     for (const std::string& name : model.extensionsUsed) {
-        scene.features.push_back({oneLine(name), treatmentOf(name)});
+        const bool variants = name == "KHR_materials_variants";
+        scene.features.push_back(
+            {oneLine(name), variants ? fmt::format("right: by --variant, one of {}", file.variants)
+                                     : treatmentOf(name)});
     }
     const auto add = [&](bool used, const char* name, const char* treatment) {
         if (used) {
@@ -110,12 +110,12 @@ void listFeatures(const File& file, Scene& scene) {
     add(primitive([](const Primitive& p) { return p.attributes.count("COLOR_0") > 0; }),
         "vertex colours", kRight);
     add(primitive([](const Primitive& p) { return !p.targets.empty(); }), "morph targets",
-        kIgnored);
+        "right: by the weights that are stored");
     add(primitive([](const Primitive& p) { return p.mode >= 0 && p.mode < 4; }), "points and lines",
         kIgnored);
     add(any(model.cameras, [](const tinygltf::Camera& c) { return c.type == "orthographic"; }),
         "orthographic cameras", "approximated: seen from afar");
-    add(!model.skins.empty(), "skins", kIgnored);
+    add(!model.skins.empty(), "skins", "right: where their joints stand");
     add(file.animated, "animations", kIgnored);
 }
 

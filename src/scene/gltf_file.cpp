@@ -298,6 +298,7 @@ void parse(File& file) {
     }
     readBuffers(file, buffers, parts.chunk);
     readImages(file, images);
+    decompressViews(file);
 }
 
 }  // namespace sheen::gltf

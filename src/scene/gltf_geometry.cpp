@@ -91,7 +91,8 @@ std::vector<vec4> readColors(File& file, int accessor, const std::string& where)
     return colors;
 }
 
-Primitive readPrimitive(File& file, const tinygltf::Primitive& source, const std::string& where) {
+Primitive readPrimitive(File& file, const tinygltf::Primitive& source,
+                        const std::vector<double>& weights, const std::string& where) {
     const Integers quantized = file.uses("KHR_mesh_quantization") ? Integers::kAny : Integers::kNo;
     const auto attribute = [&](const char* name) {
         const auto found = source.attributes.find(name);
@@ -152,34 +153,70 @@ Primitive readPrimitive(File& file, const tinygltf::Primitive& source, const std
             "index list that is no multiple of three: its last, incomplete triangle left out");
     }
     primitive.triangles = trianglesOf(indices, source.mode);
+    const auto morph = [&](const char* name, auto& values) {
+        if (!values.empty()) {
+            addMorphTargets(file, source, name, weights,
+                            {&values[0][0], values.size() * sizeof(values[0]) / sizeof(float)},
+                            where);
+        }
+    };
+    morph("POSITION", primitive.positions);
+    morph("NORMAL", primitive.normals);
+    morph("TANGENT", primitive.tangents);
     return primitive;
 }
 
-void transform(Primitive& primitive, const glm::dmat4& world_from_mesh) {
-    const glm::dmat3 linear(world_from_mesh);
-    const double determinant = glm::determinant(linear);
-    // Normals go by the inverse transpose; the cofactor matrix has its direction (times the
-    // determinant) and exists for singular transforms, too.
-    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                              glm::cross(linear[0], linear[1]));
-    const double side = determinant < 0.0 ? -1.0 : 1.0;
-    for (vec3& p : primitive.positions) {
-        p = vec3(glm::dvec3(world_from_mesh * glm::dvec4(p, 1.0)));
+// A transform to world space of what a vertex has.
+struct Placement {
+    glm::dmat4 world;
+    glm::dmat3 linear, cofactor;
+    double determinant;
+
+    explicit Placement(const glm::dmat4& world_from_mesh)
+        : world(world_from_mesh), linear(world_from_mesh), determinant(glm::determinant(linear)) {
+        // Normals go by the inverse transpose; the cofactor matrix has its direction (times the
+        // determinant) and exists for singular transforms, too.
+        cofactor = {glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                    glm::cross(linear[0], linear[1])};
     }
-    for (vec3& n : primitive.normals) {
-        const glm::dvec3 world = side * (cofactor * glm::dvec3(n));
-        const double length = glm::length(world);
-        n = length > 0.0 && std::isfinite(length) ? vec3(world / length) : vec3(0.0f);
+    bool mirrors() const { return determinant < 0.0; }
+    vec3 position(const vec3& p) const { return vec3(glm::dvec3(world * glm::dvec4(p, 1.0))); }
+    vec3 normal(const vec3& n) const {
+        return unit((mirrors() ? -1.0 : 1.0) * (cofactor * glm::dvec3(n)));
     }
-    for (vec4& t : primitive.tangents) {
-        const glm::dvec3 world = linear * glm::dvec3(t);
-        const double length = glm::length(world);
-        const bool sound = length > 0.0 && std::isfinite(length);
-        t = vec4(sound ? vec3(world / length) : vec3(0.0f),
-                 (t.w < 0.0f) == (determinant < 0.0) ? 1.0f : -1.0f);
+    vec4 tangent(const vec4& t) const {
+        return vec4(unit(linear * glm::dvec3(t)), (t.w < 0.0f) == mirrors() ? 1.0f : -1.0f);
     }
-    if (determinant < 0.0) {
-        for (uvec3& t : primitive.triangles) {
+
+  private:
+    static vec3 unit(const glm::dvec3& v) {
+        const double length = glm::length(v);
+        return length > 0.0 && std::isfinite(length) ? vec3(v / length) : vec3(0.0f);
+    }
+};
+
+// By one transform, or by one for each vertex.
+void transform(Primitive& primitive, const glm::dmat4& world_from_mesh,
+               const std::vector<glm::dmat4>& of_vertices) {
+    std::vector<Placement> placements;
+    for (const glm::dmat4& of_vertex : of_vertices) {
+        placements.emplace_back(of_vertex);
+    }
+    const Placement rigid(world_from_mesh);
+    const auto placement = [&](size_t vertex) -> const Placement& {
+        return placements.empty() ? rigid : placements[vertex];
+    };
+    for (size_t i = 0; i < primitive.positions.size(); ++i) {
+        primitive.positions[i] = placement(i).position(primitive.positions[i]);
+    }
+    for (size_t i = 0; i < primitive.normals.size(); ++i) {
+        primitive.normals[i] = placement(i).normal(primitive.normals[i]);
+    }
+    for (size_t i = 0; i < primitive.tangents.size(); ++i) {
+        primitive.tangents[i] = placement(i).tangent(primitive.tangents[i]);
+    }
+    for (uvec3& t : primitive.triangles) {
+        if (placement(t.x).mirrors()) {
             std::swap(t.y, t.z);
         }
     }
@@ -331,22 +368,19 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
     }
 }
 
-// Notes what a primitive asks for beyond what is loaded.
-void noteUnsupported(File& file, const tinygltf::Primitive& source, const std::string& where) {
+// Input error where a mesh is nowhere but in a form that is not read.
+void checkReadable(const File& file, const tinygltf::Primitive& source, const std::string& where) {
     const auto positions = source.attributes.find("POSITION");
     if (source.extensions.count("KHR_draco_mesh_compression") > 0 &&
         positions != source.attributes.end() &&
         file.at(file.model.accessors, positions->second, where, "accessor").bufferView < 0) {
         file.fail(where, "KHR_draco_mesh_compression is not supported; export uncompressed");
     }
-    if (!source.targets.empty()) {
-        file.notes.add("morph targets are not supported: the base mesh is shown");
-    }
 }
 
 }  // namespace
 
-void appendMesh(File& file, int mesh_index, const glm::dmat4& world_from_mesh, Scene& scene) {
+void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
     const tinygltf::Mesh& mesh = file.model.meshes[static_cast<size_t>(mesh_index)];
     const auto default_material = static_cast<uint32_t>(scene.materials.size() - 1);
     for (size_t i = 0; i < mesh.primitives.size(); ++i) {
@@ -361,12 +395,12 @@ void appendMesh(File& file, int mesh_index, const glm::dmat4& world_from_mesh, S
             file.fail(where, "mode {} is unknown; use triangles (4)", source.mode);
         }
         uint32_t material = default_material;
-        if (source.material != -1) {
-            file.at(file.model.materials, source.material, where, "material");
-            material = static_cast<uint32_t>(source.material);
+        if (const int own = materialOf(file, source, where); own != -1) {
+            file.at(file.model.materials, own, where, "material");
+            material = static_cast<uint32_t>(own);
         }
-        noteUnsupported(file, source, where);
-        Primitive primitive = readPrimitive(file, source, where);
+        checkReadable(file, source, where);
+        Primitive primitive = readPrimitive(file, source, pose.weights, where);
         for (const TextureUse& use : scene.materials[material].textures) {
             if (use.used() && (use.uv_set == 0 ? primitive.uvs : primitive.second_uvs).empty()) {
                 file.notes.add(fmt::format(
@@ -374,7 +408,12 @@ void appendMesh(File& file, int mesh_index, const glm::dmat4& world_from_mesh, S
                     use.uv_set));
             }
         }
-        transform(primitive, world_from_mesh);
+        std::vector<glm::dmat4> skinned;
+        if (!pose.world_from_joint.empty()) {
+            skinned = skinnedTransforms(file, source, pose.world_from_joint,
+                                        primitive.positions.size(), where);
+        }
+        transform(primitive, pose.world_from_mesh, skinned);
         dropDegenerate(file, primitive);
         mendNormals(file, primitive);
         const bool mapped = scene.materials[material].normal_texture.used();

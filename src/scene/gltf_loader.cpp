@@ -14,12 +14,13 @@ namespace {
 
 // Where world space should begin, in its present coordinates: where the camera stands, if what is
 // nearest to it lies so much nearer than the present origin that floats would lose it; else there.
-vec3 betterOrigin(const Scene& scene, const std::string& camera) {
+vec3 betterOrigin(const Scene& scene, const LoadParams& params) {
     constexpr float kFarthest = 256.0f;
     vec3 eye = scene.bounds.center();
     float nearest = scene.bounds.size();  // a camera is made that frames them
-    if (!scene.cameras.empty()) {
-        eye = vec3(findCamera(scene, camera).world_from_camera[3]);
+    if (!scene.cameras.empty() || params.view.at) {
+        eye = params.view.at ? vec3(*params.view.at - scene.origin)
+                             : vec3(findCamera(scene, params.camera).world_from_camera[3]);
         nearest = kInfinity;
         for (const vec3& p : scene.positions) {
             nearest = std::min(nearest, glm::distance(p, eye));
@@ -30,10 +31,10 @@ vec3 betterOrigin(const Scene& scene, const std::string& camera) {
 }
 
 // Fills geometry, lights and cameras.
-void flatten(File& file, const std::string& camera, Scene& scene) {
+void flatten(File& file, const LoadParams& params, Scene& scene) {
     const Notes notes = file.notes;
     appendNodes(file, scene);
-    const vec3 origin = betterOrigin(scene, camera);
+    const vec3 origin = betterOrigin(scene, params);
     if (origin == vec3(0.0f)) {
         return;
     }
@@ -70,15 +71,16 @@ void checkExtent(const File& file, const Scene& scene) {
 }  // namespace
 }  // namespace gltf
 
-Scene loadScene(const std::string& path, const std::string& camera,
-                const EnvironmentParams& environment) {
+Scene loadScene(const std::string& path, const LoadParams& params) {
+    const EnvironmentParams& environment = params.environment;
     gltf::File file{.path = path, .model = {}, .notes = {}};
     Scene scene;
     try {
         gltf::parse(file);
+        gltf::chooseVariant(file, params.variant);
         gltf::loadMaterials(file, scene);
         gltf::checkMeshMemory(file);
-        gltf::flatten(file, camera, scene);
+        gltf::flatten(file, params, scene);
         gltf::checkExtent(file, scene);
         gltf::placeParallelCameras(file, scene);
         gltf::checkLightLevel(file, scene);
@@ -105,11 +107,11 @@ Scene loadScene(const std::string& path, const std::string& camera,
         file.notes.add("the scene has no geometry");
     }
     if (scene.cameras.empty()) {
-        scene.cameras.push_back(framingCamera(scene.bounds));
-        if (!scene.triangles.empty()) {
+        scene.cameras.push_back(framingCamera(scene));
+        if (!scene.triangles.empty() && !params.view.at) {
             file.notes.add(
-                "the scene has no camera: seen from the front, all of it in view; "
-                "export it with a camera to see it from there");
+                "the scene has no camera: seen from the front and the side, all of it in view; "
+                "--camera-at and --look-at see it from elsewhere");
         }
     }
     if (!scene.triangles.empty() && environment.source != "none" && isDark(scene)) {
@@ -118,6 +120,9 @@ Scene loadScene(const std::string& path, const std::string& camera,
         file.notes.add(
             "the scene has no light and nothing that emits: lit by a sun from above, to the left "
             "of its first view; --environment lights it by a sky or, by none, not at all");
+    }
+    if (params.view.given()) {
+        scene.cameras.insert(scene.cameras.begin(), seenFrom(scene, params));
     }
     scene.files = std::move(file.read);
     scene.files.push_back(path);

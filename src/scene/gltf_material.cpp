@@ -1,10 +1,19 @@
 // Materials: factors, and which textures vary them.
 #include <algorithm>
+#include <cmath>
 
 #include "scene/gltf_parts.h"
 
 namespace sheen::gltf {
 namespace {
+
+// The material that glTF has in mind where a file has none.
+const MaterialParams kStandard = {.base_color = vec3(1.0f),
+                                  .metallic = 1.0f,
+                                  .specular_color = vec3(1.0f),
+                                  .specular = 1.0f,
+                                  .emission = vec3(0.0f),
+                                  .roughness = 1.0f};
 
 float clampedFactor(File& file, double value, double upper, const std::string& where,
                     const char* what) {
@@ -13,27 +22,6 @@ float clampedFactor(File& file, double value, double upper, const std::string& w
         file.notes.add(fmt::format("{}: {} {} is out of range and clamped", where, what, value));
     }
     return std::clamp(factor, 0.0f, static_cast<float>(upper));
-}
-
-void readSpecular(File& file, const tinygltf::Value& extension, const std::string& where,
-                  MaterialParams& params) {
-    params.specular =
-        clampedFactor(file, numberMember(file, extension, "specularFactor", 1.0, where), 1.0, where,
-                      "specularFactor");
-    if (extension.Has("specularColorFactor")) {
-        const tinygltf::Value& color = extension.Get("specularColorFactor");
-        if (color.ArrayLen() != 3) {
-            file.fail(where, "specularColorFactor must hold three numbers");
-        }
-        for (int c = 0; c < 3; ++c) {
-            if (!color.Get(c).IsNumber()) {
-                file.fail(where, "specularColorFactor must hold three numbers");
-            }
-            params.specular_color[c] =
-                clampedFactor(file, color.Get(c).GetNumberAsDouble(),
-                              std::numeric_limits<float>::max(), where, "specularColorFactor");
-        }
-    }
 }
 
 // One of the textures of an extension.
@@ -51,26 +39,126 @@ TextureInfo infoOf(const Source& source) {
             .transform = found == source.extensions.end() ? tinygltf::Value() : found->second};
 }
 
-void loadTextures(const File& file, const tinygltf::Material& source, const std::string& where,
+// Up to four numbers; those of `fallback` where the member is absent.
+vec4 colorMember(File& file, const tinygltf::Value& extension, const char* key, int count,
+                 double upper, const vec4& fallback, const std::string& where) {
+    if (!extension.Has(key)) {
+        return fallback;
+    }
+    const tinygltf::Value& color = extension.Get(key);
+    vec4 result = fallback;
+    for (int c = 0; c < count; ++c) {
+        if (static_cast<int>(color.ArrayLen()) != count || !color.Get(c).IsNumber()) {
+            file.fail(where, "{} must hold {} numbers", key, count);
+        }
+        result[c] = clampedFactor(file, color.Get(c).GetNumberAsDouble(), upper, where, key);
+    }
+    return result;
+}
+
+// How a material is extended by an extension; null: not.
+const tinygltf::Value* extensionOf(const tinygltf::Material& source, const char* name) {
+    const auto found = source.extensions.find(name);
+    return found == source.extensions.end() ? nullptr : &found->second;
+}
+
+constexpr float kUsualF0 = 0.04f;  // of a dielectric, which specular_color multiplies
+
+// Of an index of refraction; 0, as converters write it, stands for an infinite one.
+void readIor(File& file, const tinygltf::Value& extension, const std::string& where,
+             MaterialParams& params) {
+    const double ior =
+        finiteFloat(file, numberMember(file, extension, "ior", 1.5, where), where, "ior");
+    if (ior != 0.0 && ior < 1.0) {
+        file.notes.add(fmt::format("{}: ior {} is below 1 and counts as 1", where, ior));
+    }
+    const double root = ior == 0.0 ? 1.0 : (std::max(ior, 1.0) - 1.0) / (std::max(ior, 1.0) + 1.0);
+    params.specular_color *= static_cast<float>(root * root) / kUsualF0;
+}
+
+void readSpecular(File& file, const tinygltf::Value& extension, const std::string& where,
                   TextureLoader& loader, Material& material) {
-    auto& textures = material.textures;
+    material.params.specular =
+        clampedFactor(file, numberMember(file, extension, "specularFactor", 1.0, where), 1.0, where,
+                      "specularFactor");
+    material.params.specular_color *=
+        vec3(colorMember(file, extension, "specularColorFactor", 3,
+                         std::numeric_limits<float>::max(), vec4(1.0f), where));
+    material.textures[shared::TEXTURE_SPECULAR] =
+        loader.use(memberTexture(file, extension, "specularTexture", where), false, where);
+    material.textures[shared::TEXTURE_SPECULAR_COLOR] =
+        loader.use(memberTexture(file, extension, "specularColorTexture", where), true, where);
+}
+
+void readMetallicRoughness(File& file, const tinygltf::Material& source, const std::string& where,
+                           TextureLoader& loader, Material& material) {
     const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
-    textures[shared::TEXTURE_BASE_COLOR] = loader.use(infoOf(pbr.baseColorTexture), true, where);
-    textures[shared::TEXTURE_METALLIC_ROUGHNESS] =
+    if (pbr.baseColorFactor.size() != 4) {
+        file.fail(where, "baseColorFactor must hold four numbers and emissiveFactor three");
+    }
+    MaterialParams& params = material.params;
+    params.metallic = clampedFactor(file, pbr.metallicFactor, 1.0, where, "metallicFactor");
+    params.roughness = clampedFactor(file, pbr.roughnessFactor, 1.0, where, "roughnessFactor");
+    const auto base = [&](size_t c) {
+        return clampedFactor(file, pbr.baseColorFactor[c], 1.0, where, "baseColorFactor");
+    };
+    params.base_color = vec3(base(0), base(1), base(2));
+    material.alpha = base(3);
+    material.textures[shared::TEXTURE_BASE_COLOR] =
+        loader.use(infoOf(pbr.baseColorTexture), true, where);
+    material.textures[shared::TEXTURE_METALLIC_ROUGHNESS] =
         loader.use(infoOf(pbr.metallicRoughnessTexture), false, where);
-    textures[shared::TEXTURE_EMISSION] = loader.use(infoOf(source.emissiveTexture), true, where);
-    material.normal_texture = loader.use(infoOf(source.normalTexture), false, where);
-    material.normal_scale = finiteFloat(file, source.normalTexture.scale, where, "scale");
-    if (source.emissiveTexture.index != -1 && !textures[shared::TEXTURE_EMISSION].used()) {
+    if (const tinygltf::Value* ior = extensionOf(source, "KHR_materials_ior")) {
+        readIor(file, *ior, where, params);
+    }
+    if (const tinygltf::Value* specular = extensionOf(source, "KHR_materials_specular")) {
+        readSpecular(file, *specular, where, loader, material);
+    }
+}
+
+// A dielectric of that specular colour, whatever the colour: that is what the model amounts to.
+void readSpecularGlossiness(File& file, const tinygltf::Value& extension, const std::string& where,
+                            TextureLoader& loader, Material& material) {
+    MaterialParams& params = material.params;
+    const vec4 diffuse = colorMember(file, extension, "diffuseFactor", 4, 1.0, vec4(1.0f), where);
+    const vec3 specular(colorMember(file, extension, "specularFactor", 3, 1.0, vec4(1.0f), where));
+    const float glossiness =
+        clampedFactor(file, numberMember(file, extension, "glossinessFactor", 1.0, where), 1.0,
+                      where, "glossinessFactor");
+    params.base_color = vec3(diffuse);
+    params.metallic = 0.0f;
+    params.specular_color = specular / kUsualF0;
+    params.roughness = 1.0f - glossiness;
+    material.alpha = diffuse.w;
+    material.textures[shared::TEXTURE_BASE_COLOR] =
+        loader.use(memberTexture(file, extension, "diffuseTexture", where), true, where);
+    const TextureUse use =
+        loader.use(memberTexture(file, extension, "specularGlossinessTexture", where), true, where);
+    material.textures[shared::TEXTURE_SPECULAR_COLOR] = use;
+    if (use.used()) {
+        material.textures[shared::TEXTURE_METALLIC_ROUGHNESS] = loader.roughnessOf(use, glossiness);
+        params.roughness = 1.0f;
+    }
+}
+
+void readEmission(File& file, const tinygltf::Material& source, const std::string& where,
+                  TextureLoader& loader, Material& material) {
+    if (source.emissiveFactor.size() != 3) {
+        file.fail(where, "baseColorFactor must hold four numbers and emissiveFactor three");
+    }
+    const tinygltf::Value* extension = extensionOf(source, "KHR_materials_emissive_strength");
+    const double strength =
+        extension == nullptr ? 1.0 : numberMember(file, *extension, "emissiveStrength", 1.0, where);
+    for (int c = 0; c < 3; ++c) {
+        material.params.emission[c] =
+            clampedFactor(file, source.emissiveFactor[static_cast<size_t>(c)] * strength,
+                          std::numeric_limits<float>::max(), where, "emission");
+    }
+    TextureUse& use = material.textures[shared::TEXTURE_EMISSION];
+    use = loader.use(infoOf(source.emissiveTexture), true, where);
+    if (source.emissiveTexture.index != -1 && !use.used()) {
         // The factor without its texture, mostly black, would make all of the surface shine.
         material.params.emission = vec3(0.0f);
-    }
-    const auto specular = source.extensions.find("KHR_materials_specular");
-    if (specular != source.extensions.end()) {
-        textures[shared::TEXTURE_SPECULAR] = loader.use(
-            memberTexture(file, specular->second, "specularTexture", where), false, where);
-        textures[shared::TEXTURE_SPECULAR_COLOR] = loader.use(
-            memberTexture(file, specular->second, "specularColorTexture", where), true, where);
     }
 }
 
@@ -78,8 +166,6 @@ void loadTextures(const File& file, const tinygltf::Material& source, const std:
 void readCoverage(File& file, const tinygltf::Material& source, const std::string& where,
                   Material& material) {
     material.single_sided = !source.doubleSided;
-    material.alpha = clampedFactor(file, source.pbrMetallicRoughness.baseColorFactor[3], 1.0, where,
-                                   "baseColorFactor");
     if (source.alphaMode == "MASK") {
         material.alpha_cutoff = finiteFloat(file, source.alphaCutoff, where, "alphaCutoff");
     } else if (source.alphaMode == "BLEND") {
@@ -111,33 +197,17 @@ void makeUnlit(Material& material) {
 Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     const tinygltf::Material& source = file.model.materials[index];
     const std::string where = label("material", index, source.name);
-    const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
-    if (pbr.baseColorFactor.size() != 4 || source.emissiveFactor.size() != 3) {
-        file.fail(where, "baseColorFactor must hold four numbers and emissiveFactor three");
-    }
     Material material;
     material.name = source.name.empty() ? fmt::format("material {}", index) : oneLine(source.name);
-    MaterialParams& params = material.params;
-    params.metallic = clampedFactor(file, pbr.metallicFactor, 1.0, where, "metallicFactor");
-    params.roughness = clampedFactor(file, pbr.roughnessFactor, 1.0, where, "roughnessFactor");
-    params.specular = 1.0f;
-    params.specular_color = vec3(1.0f);
-    double strength = 1.0;
-    for (const auto& [name, extension] : source.extensions) {
-        if (name == "KHR_materials_specular") {
-            readSpecular(file, extension, where, params);
-        } else if (name == "KHR_materials_emissive_strength") {
-            strength *= numberMember(file, extension, "emissiveStrength", 1.0, where);
-        }
+    material.params = kStandard;
+    if (const auto* extension = extensionOf(source, "KHR_materials_pbrSpecularGlossiness")) {
+        readSpecularGlossiness(file, *extension, where, loader, material);
+    } else {
+        readMetallicRoughness(file, source, where, loader, material);
     }
-    for (int c = 0; c < 3; ++c) {
-        const auto i = static_cast<size_t>(c);
-        params.base_color[c] =
-            clampedFactor(file, pbr.baseColorFactor[i], 1.0, where, "baseColorFactor");
-        params.emission[c] = clampedFactor(file, source.emissiveFactor[i] * strength,
-                                           std::numeric_limits<float>::max(), where, "emission");
-    }
-    loadTextures(file, source, where, loader, material);
+    readEmission(file, source, where, loader, material);
+    material.normal_texture = loader.use(infoOf(source.normalTexture), false, where);
+    material.normal_scale = finiteFloat(file, source.normalTexture.scale, where, "scale");
     readCoverage(file, source, where, material);
     if (source.extensions.count("KHR_materials_unlit") > 0) {
         makeUnlit(material);
@@ -159,7 +229,59 @@ bool opaqueTexels(const TextureImage& image) {
     return true;
 }
 
+std::vector<std::string> variantNames(const File& file) {
+    std::vector<std::string> names;
+    const auto found = file.model.extensions.find("KHR_materials_variants");
+    if (found == file.model.extensions.end() || !found->second.Has("variants")) {
+        return names;
+    }
+    const tinygltf::Value& variants = found->second.Get("variants");
+    for (size_t i = 0; i < variants.ArrayLen(); ++i) {
+        const tinygltf::Value& variant = variants.Get(i);
+        const bool named = variant.Has("name") && variant.Get("name").IsString();
+        names.push_back(named ? variant.Get("name").Get<std::string>() : std::string());
+    }
+    return names;
+}
+
 }  // namespace
+
+void chooseVariant(File& file, const std::string& name) {
+    const std::vector<std::string> names = variantNames(file);
+    for (const std::string& known : names) {
+        file.variants += (file.variants.empty() ? "" : ", ") + oneLine(known);
+    }
+    if (name.empty()) {
+        return;
+    }
+    const auto chosen = std::find(names.begin(), names.end(), name);
+    if (chosen == names.end()) {
+        throwUsage("--variant {}: no such variant; the scene has {}", oneLine(name),
+                   names.empty() ? "none" : file.variants);
+    }
+    file.variant = static_cast<int>(chosen - names.begin());
+}
+
+int materialOf(const File& file, const tinygltf::Primitive& primitive, const std::string& where) {
+    const auto found = primitive.extensions.find("KHR_materials_variants");
+    if (file.variant < 0 || found == primitive.extensions.end() || !found->second.Has("mappings")) {
+        return primitive.material;
+    }
+    const tinygltf::Value& mappings = found->second.Get("mappings");
+    for (size_t i = 0; i < mappings.ArrayLen(); ++i) {
+        const tinygltf::Value& mapping = mappings.Get(i);
+        if (!mapping.Has("variants")) {
+            continue;
+        }
+        const tinygltf::Value& variants = mapping.Get("variants");
+        for (size_t v = 0; v < variants.ArrayLen(); ++v) {
+            if (variants.Get(v).IsNumber() && variants.Get(v).GetNumberAsInt() == file.variant) {
+                return integerMember(file, mapping, "material", -1, where);
+            }
+        }
+    }
+    return primitive.material;
+}
 
 void dropIdleBlending(Scene& scene) {
     const bool opaque_vertices = std::all_of(scene.colors.begin(), scene.colors.end(),
@@ -183,12 +305,7 @@ void loadMaterials(File& file, Scene& scene) {
     }
     Material standard;
     standard.name = "default";
-    standard.params = {.base_color = vec3(1.0f),
-                       .metallic = 1.0f,
-                       .specular_color = vec3(1.0f),
-                       .specular = 1.0f,
-                       .emission = vec3(0.0f),
-                       .roughness = 1.0f};
+    standard.params = kStandard;
     scene.materials.push_back(standard);
 }
 

@@ -2,6 +2,7 @@
 // Based on: the glTF 2.0 specification, EXT_mesh_gpu_instancing.
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <set>
@@ -186,20 +187,27 @@ std::vector<PlacedNode> placedNodes(File& file) {
     return placed;
 }
 
-void appendNode(File& file, const PlacedNode& placed, Scene& scene) {
+void appendNode(File& file, const PlacedNode& placed, const std::vector<glm::dmat4>& file_from_node,
+                Scene& scene) {
     const auto index = static_cast<size_t>(placed.node);
     const tinygltf::Node& node = file.model.nodes[index];
     const std::string where = label("node", index, node.name);
+    const glm::dmat4 world_from_file = glm::translate(glm::dmat4(1.0), -scene.origin);
     glm::dmat4 world_from_node = placed.file_from_node;
     world_from_node[3] -= glm::dvec4(scene.origin, 0.0);
     if (node.mesh != -1) {
         file.at(file.model.meshes, node.mesh, where, "mesh");
-        for (const glm::dmat4& node_from_instance : instancesOf(file, node, where)) {
-            appendMesh(file, node.mesh, world_from_node * node_from_instance, scene);
+        Pose pose{.world_from_mesh = world_from_node, .weights = morphWeights(file, node)};
+        if (node.skin != -1) {
+            pose.world_from_joint = jointTransforms(file, node.skin, file_from_node, where);
+            for (glm::dmat4& joint : pose.world_from_joint) {
+                joint = world_from_file * joint;
+            }
         }
-    }
-    if (node.skin != -1) {
-        file.notes.add("skins are not supported: mesh shown as it was before skinning");
+        for (const glm::dmat4& node_from_instance : instancesOf(file, node, where)) {
+            pose.world_from_mesh = world_from_node * node_from_instance;
+            appendMesh(file, node.mesh, pose, scene);
+        }
     }
     if (node.camera != -1) {
         appendCamera(file, node, world_from_node, where, scene);
@@ -219,8 +227,14 @@ std::string firstName(const std::string& own, const std::string& node, const cha
 }
 
 void appendNodes(File& file, Scene& scene) {
-    for (const PlacedNode& placed : placedNodes(file)) {
-        appendNode(file, placed, scene);
+    const std::vector<PlacedNode> all = placedNodes(file);
+    // Joints of a skin; those outside of the scene stand at the origin.
+    std::vector<glm::dmat4> file_from_node(file.model.nodes.size(), glm::dmat4(1.0));
+    for (const PlacedNode& placed : all) {
+        file_from_node[static_cast<size_t>(placed.node)] = placed.file_from_node;
+    }
+    for (const PlacedNode& placed : all) {
+        appendNode(file, placed, file_from_node, scene);
     }
 }
 

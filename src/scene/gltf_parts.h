@@ -7,6 +7,7 @@
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,6 +52,8 @@ struct File {
     std::vector<FileBytes> buffers = {};
     std::vector<EncodedImage> images = {};
     bool animated = false;
+    std::string variants = {};  ///< their names, for messages
+    int variant = -1;           ///< that is chosen; -1: none
     Notes notes;
     /// Cameras of Scene without perspective, until the scene's size is known.
     struct ParallelCamera {
@@ -117,16 +120,25 @@ void readBuffers(File& file, const nlohmann::json& buffers, ByteSpan chunk);
 /// Likewise File::images.
 void readImages(File& file, const nlohmann::json& images);
 
+/// Makes of each compressed buffer view one of a buffer of its own; one that cannot be decoded is
+/// missing there.
+void decompressViews(File& file);
+
+/// A part of a buffer, checked against it; `where`: who asks, for errors.
+ByteSpan bytesOf(const File& file, int buffer, size_t offset, size_t length,
+                 const std::string& where);
+
 /// Bytes of a buffer view, checked against its buffer.
 ByteSpan bufferViewBytes(const File& file, int buffer_view, const std::string& where);
 
 /// How many elements an accessor has, or fewer where the file cannot hold them.
 uint64_t accessorCount(const File& file, const tinygltf::Accessor& accessor);
 
-/// How many numbers an element of an accessor has: 1 to 4, 0 where that is something else.
+/// How many numbers an element of an accessor has: 1 to 4 or 16, 0 where that is something else.
 int accessorComponents(const File& file, int accessor, const std::string& where);
 
-/// An accessor's values as floats, [element][components]; `components` is 2, 3 or 4. Normalised
+/// An accessor's values as floats, [element][components]; `components` is 2, 3, 4 or, of a matrix
+/// by columns, 16. Normalised
 /// integers become [0, 1] or [-1, 1]; sparse accessors are filled in.
 std::vector<float> readFloats(const File& file, int accessor, int components, Integers integers,
                               const std::string& where);
@@ -154,6 +166,8 @@ class TextureLoader {
     TextureLoader(File& file, Scene& scene) : file_(file), scene_(scene) {}
     /// `owner`: the material, for errors.
     TextureUse use(const TextureInfo& info, bool srgb, const std::string& owner);
+    /// The roughness that is left by a texture's alpha times a glossiness, as a texture of its own.
+    TextureUse roughnessOf(const TextureUse& gloss, float glossiness);
 
   private:
     TextureUse usable(const TextureInfo& info, bool srgb, const std::string& owner);
@@ -163,6 +177,13 @@ class TextureLoader {
     Scene& scene_;
     std::map<int, int> images_;  // of the scene, by the file's; -1: it cannot be read
 };
+
+/// Chooses a variant of the materials by its name; empty: none. Usage error where there is none of
+/// that name.
+void chooseVariant(File& file, const std::string& name);
+
+/// Index of a primitive's material in the variant that is chosen; -1: it has none.
+int materialOf(const File& file, const tinygltf::Primitive& primitive, const std::string& where);
 
 /// All materials of the file, in its order, and the glTF default material behind them, with the
 /// textures they use.
@@ -195,8 +216,35 @@ void appendLight(File& file, const tinygltf::Node& node, const glm::dmat4& world
 /// be black, white or not finite.
 void checkLightLevel(const File& file, const Scene& scene);
 
-/// Appends a mesh, transformed to world space.
-void appendMesh(File& file, int mesh, const glm::dmat4& world_from_mesh, Scene& scene);
+/// How a mesh is shown.
+struct Pose {
+    glm::dmat4 world_from_mesh;
+    std::vector<glm::dmat4> world_from_joint = {};  ///< of a skin, from the mesh; empty: none
+    std::vector<double> weights = {};               ///< of morph targets
+};
+
+/// Appends a mesh, transformed to world space: by its skin where it has one.
+void appendMesh(File& file, int mesh, const Pose& pose, Scene& scene);
+
+/// Those of a node's mesh, as stored.
+std::vector<double> morphWeights(const File& file, const tinygltf::Node& node);
+
+/// Adds a primitive's morph targets to an attribute's `values`, [vertex][3 or 4].
+void addMorphTargets(const File& file, const tinygltf::Primitive& source, const char* attribute,
+                     const std::vector<double>& weights, std::span<float> values,
+                     const std::string& where);
+
+/// Transforms of a skin's joints where the nodes stand, from the mesh; `where`: the node that is
+/// skinned, for errors.
+std::vector<glm::dmat4> jointTransforms(const File& file, int skin,
+                                        const std::vector<glm::dmat4>& file_from_node,
+                                        const std::string& where);
+
+/// Transforms of a primitive's `count` vertices, each a mean of its joints'; none where it has no
+/// joints.
+std::vector<glm::dmat4> skinnedTransforms(const File& file, const tinygltf::Primitive& source,
+                                          const std::vector<glm::dmat4>& joints, size_t count,
+                                          const std::string& where);
 
 /// Tangents of the vertices of a mesh's triangles, from `first_triangle` on to the scene's end, by
 /// the coordinates of the material's normal texture: each triangle's weighed by its angles, as

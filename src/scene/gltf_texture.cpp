@@ -180,6 +180,27 @@ TextureUse TextureLoader::use(const TextureInfo& info, bool srgb, const std::str
     }
 }
 
+TextureUse TextureLoader::roughnessOf(const TextureUse& gloss, float glossiness) {
+    Texture texture = scene_.textures[static_cast<size_t>(gloss.texture)];
+    const TextureImage& source = scene_.images[static_cast<size_t>(texture.image)];
+    TextureImage image{.width = source.width, .height = source.height, .bytes = {}, .words = {}};
+    image.bytes.reserve(4 * source.texelCount());
+    for (int y = 0; y < source.height; ++y) {
+        for (int x = 0; x < source.width; ++x) {
+            const float roughness = 1.0f - glossiness * texelOf(source, false, x, y).w;
+            const auto green = static_cast<uint8_t>(std::lround(255.0f * roughness));
+            image.bytes.insert(image.bytes.end(), {0, green, 255, 255});
+        }
+    }
+    scene_.images.push_back(std::move(image));
+    texture.image = static_cast<int>(scene_.images.size()) - 1;
+    texture.srgb = false;
+    scene_.textures.push_back(texture);
+    TextureUse use = gloss;
+    use.texture = static_cast<int>(scene_.textures.size()) - 1;
+    return use;
+}
+
 // Input error where any part of it is broken.
 TextureUse TextureLoader::usable(const TextureInfo& info, bool srgb, const std::string& owner) {
     TextureUse use;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,17 +64,34 @@ struct Scene {
     dvec3 inFile(const vec3& p) const { return dvec3(p) + origin; }
 };
 
+/// A view of one's own: what is given, of the camera it begins with.
+struct Viewpoint {
+    std::optional<dvec3> at, look_at;  ///< in the file's coordinates
+    std::optional<float> y_fov;        ///< vertical, radians
+
+    bool given() const { return at || look_at || y_fov; }
+};
+
+/// How a file is to be seen.
+struct LoadParams {
+    /// The camera to be seen by, as findCamera() has it, by which Scene::origin is chosen.
+    std::string camera = {};
+    /// Becomes the scene's first camera. Moved or turned it is upright, and looks at the scene's
+    /// middle if at nothing else.
+    Viewpoint view = {};
+    std::string variant = {};  ///< of KHR_materials_variants; empty: the materials as they are
+    /// The light of the surroundings, of which the file says nothing.
+    EnvironmentParams environment = {};
+};
+
 /// Loads a .glb or .gltf file: geometry with its transforms, materials with their textures, cameras
 /// and lights, as docs/gltf.md lists them. Whatever else the file uses is named in Scene::warnings,
 /// or, where the result would be wrong (a required extension, a compressed mesh), is an input
-/// error. A scene without cameras gets one that frames its bounds; geometry without lights, none of
+/// error. A scene without cameras gets one that frames it; geometry without lights, none of
 /// which emits, gets a sun of pi lux, from above and to the left of its first camera, and a warning
 /// that says so, unless an environment is given or said to be none.
-/// `camera`: the one to be seen by, as findCamera() has it, by which Scene::origin is chosen.
-/// `environment`: the light of the surroundings, of which the file says nothing; see
-/// loadEnvironment() for its errors.
-Scene loadScene(const std::string& path, const std::string& camera = {},
-                const EnvironmentParams& environment = {});
+/// Usage error where there is no such camera or variant; see loadEnvironment() for its errors.
+Scene loadScene(const std::string& path, const LoadParams& params = {});
 
 /// The camera called `name`, or the one with that index; empty: the first. Usage error if absent.
 const Camera& findCamera(const Scene& scene, const std::string& name);
