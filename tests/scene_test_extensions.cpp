@@ -53,6 +53,29 @@ TEST(MaterialSpecularGlossiness, IsADielectricOfThatColour) {
     EXPECT_NEAR(f0At(with_texture).y, 0.6f, 1e-6f);
 }
 
+// Glass of ior 1.5 reflects 4%, which is what it covers, as a mirror; half of it scatters the rest.
+TEST(MaterialTransmission, IsAVeilThatReflectsAsTheSurfaceDoes) {
+    GltfFile file = textured();
+    materialOf(file)["pbrMetallicRoughness"] = {{"metallicFactor", 0},
+                                                {"baseColorFactor", {1, 1, 1, 0.1}}};
+    Json& transmission = materialOf(file)["extensions"]["KHR_materials_transmission"];
+    transmission["transmissionFactor"] = 1.0;
+    const Scene glass = file.load();
+    EXPECT_NEAR(coverageAt(glass, 0, vec3(1, 0, 0)), 0.04f, 1e-6f);
+    EXPECT_NEAR(f0At(glass).x, 1.0f, 1e-5f);
+    EXPECT_FALSE(warnsOf(glass, "transmission"));
+    materialOf(file)["pbrMetallicRoughness"]["baseColorFactor"] = {0.25, 0.5, 0.75, 1};
+    transmission["transmissionFactor"] = 0.5;
+    const Scene milk = file.load();
+    const float cover = coverageAt(milk, 0, vec3(1, 0, 0));
+    EXPECT_NEAR(cover, 1.0f - 0.5f * 0.96f * 0.5f, 1e-6f);
+    EXPECT_NEAR(cover * f0At(milk).x, 0.04f, 1e-6f);
+    EXPECT_NEAR(cover * milk.materials[0].params.base_color.z, 0.375f, 1e-6f);
+    transmission["transmissionTexture"]["index"] = 0;
+    EXPECT_EQ(coverageAt(file.load(), 0, vec3(1, 0, 0)), 1.0f);
+    EXPECT_TRUE(warnsOf(file.load(), "transmissionTexture"));
+}
+
 TEST(MaterialVariants, AreChosenByName) {
     GltfFile file = oneTriangle();
     file.json["materials"] = Json::array({{{"name", "plain"}}, {{"name", "blue"}}});
@@ -149,6 +172,8 @@ TEST(MorphTargets, AreAddedByTheStoredWeights) {
     EXPECT_NEAR(file.load().bounds.upper.z, 3 * 0.75f, 1e-6f);
     file.json["nodes"][0]["weights"] = {1.0, 0.0};
     EXPECT_NEAR(file.load().bounds.upper.z, 3.0f, 1e-6f) << "the node's own";
+    file.json["accessors"][static_cast<size_t>(up)]["count"] = 1;
+    EXPECT_THROW(file.load(), Error) << "of fewer vertices";
 }
 
 // The first vertex follows one joint, the second another, the third half of each.

@@ -155,9 +155,9 @@ Primitive readPrimitive(File& file, const tinygltf::Primitive& source,
     primitive.triangles = trianglesOf(indices, source.mode);
     const auto morph = [&](const char* name, auto& values) {
         if (!values.empty()) {
-            addMorphTargets(file, source, name, weights,
-                            {&values[0][0], values.size() * sizeof(values[0]) / sizeof(float)},
-                            where);
+            const auto components = static_cast<size_t>(values[0].length());
+            addMorphTargets(file, source, name, weights, components,
+                            {&values[0][0], values.size() * components}, where);
         }
     };
     morph("POSITION", primitive.positions);
@@ -198,25 +198,23 @@ struct Placement {
 // By one transform, or by one for each vertex.
 void transform(Primitive& primitive, const glm::dmat4& world_from_mesh,
                const std::vector<glm::dmat4>& of_vertices) {
-    std::vector<Placement> placements;
-    for (const glm::dmat4& of_vertex : of_vertices) {
-        placements.emplace_back(of_vertex);
-    }
-    const Placement rigid(world_from_mesh);
-    const auto placement = [&](size_t vertex) -> const Placement& {
-        return placements.empty() ? rigid : placements[vertex];
-    };
+    Placement placement(world_from_mesh);
+    std::vector<bool> mirrored(primitive.positions.size(), placement.mirrors());
     for (size_t i = 0; i < primitive.positions.size(); ++i) {
-        primitive.positions[i] = placement(i).position(primitive.positions[i]);
-    }
-    for (size_t i = 0; i < primitive.normals.size(); ++i) {
-        primitive.normals[i] = placement(i).normal(primitive.normals[i]);
-    }
-    for (size_t i = 0; i < primitive.tangents.size(); ++i) {
-        primitive.tangents[i] = placement(i).tangent(primitive.tangents[i]);
+        if (!of_vertices.empty()) {
+            placement = Placement(of_vertices[i]);
+            mirrored[i] = placement.mirrors();
+        }
+        primitive.positions[i] = placement.position(primitive.positions[i]);
+        if (!primitive.normals.empty()) {
+            primitive.normals[i] = placement.normal(primitive.normals[i]);
+        }
+        if (!primitive.tangents.empty()) {
+            primitive.tangents[i] = placement.tangent(primitive.tangents[i]);
+        }
     }
     for (uvec3& t : primitive.triangles) {
-        if (placement(t.x).mirrors()) {
+        if (mirrored[t.x]) {
             std::swap(t.y, t.z);
         }
     }

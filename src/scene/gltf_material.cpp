@@ -179,6 +179,32 @@ void readCoverage(File& file, const tinygltf::Material& source, const std::strin
     }
 }
 
+// Glass as a veil: what it transmits passes straight, of coloured glass the mean of its channels,
+// and it covers as much as it does not. There it reflects and scatters so much more that in all it
+// does as much as the surface.
+void readTransmission(File& file, const tinygltf::Value& extension, const std::string& where,
+                      Material& material) {
+    constexpr float kLeastCover = 1.0f / 128.0f;  // is seen
+    if (extension.Has("transmissionTexture")) {
+        file.notes.add(
+            fmt::format("{}: transmissionTexture is not supported: shown opaque", where));
+        return;
+    }
+    MaterialParams& params = material.params;
+    const float enters =
+        (1.0f - params.metallic) *
+        clampedFactor(file, numberMember(file, extension, "transmissionFactor", 0.0, where), 1.0,
+                      where, "transmissionFactor");
+    const float reflected =
+        std::min(kUsualF0 * maxAbs(params.specular_color), 1.0f) * params.specular;
+    const float tint = (params.base_color.x + params.base_color.y + params.base_color.z) / 3.0f;
+    const float cover = std::max(1.0f - enters * (1.0f - reflected) * tint, kLeastCover);
+    params.base_color = glm::min(params.base_color * (1.0f - enters) / cover, vec3(1.0f));
+    params.specular_color /= cover;
+    material.alpha = (material.lightPasses() ? material.alpha : 1.0f) * cover;
+    material.blended = true;
+}
+
 // Its colour, whatever the light, is what it emits.
 void makeUnlit(Material& material) {
     material.unlit = true;
@@ -209,6 +235,9 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     material.normal_texture = loader.use(infoOf(source.normalTexture), false, where);
     material.normal_scale = finiteFloat(file, source.normalTexture.scale, where, "scale");
     readCoverage(file, source, where, material);
+    if (const auto* extension = extensionOf(source, "KHR_materials_transmission")) {
+        readTransmission(file, *extension, where, material);
+    }
     if (source.extensions.count("KHR_materials_unlit") > 0) {
         makeUnlit(material);
     }

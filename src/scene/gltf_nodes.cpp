@@ -193,8 +193,7 @@ void appendNode(File& file, const PlacedNode& placed, const std::vector<glm::dma
     const tinygltf::Node& node = file.model.nodes[index];
     const std::string where = label("node", index, node.name);
     const glm::dmat4 world_from_file = glm::translate(glm::dmat4(1.0), -scene.origin);
-    glm::dmat4 world_from_node = placed.file_from_node;
-    world_from_node[3] -= glm::dvec4(scene.origin, 0.0);
+    const glm::dmat4 world_from_node = world_from_file * placed.file_from_node;
     if (node.mesh != -1) {
         file.at(file.model.meshes, node.mesh, where, "mesh");
         Pose pose{.world_from_mesh = world_from_node, .weights = morphWeights(file, node)};

@@ -229,9 +229,10 @@ void appendMesh(File& file, int mesh, const Pose& pose, Scene& scene);
 /// Those of a node's mesh, as stored.
 std::vector<double> morphWeights(const File& file, const tinygltf::Node& node);
 
-/// Adds a primitive's morph targets to an attribute's `values`, [vertex][3 or 4].
+/// Adds a primitive's morph targets to an attribute's `values`, [vertex][components], the first
+/// three of which they move.
 void addMorphTargets(const File& file, const tinygltf::Primitive& source, const char* attribute,
-                     const std::vector<double>& weights, std::span<float> values,
+                     const std::vector<double>& weights, size_t components, std::span<float> values,
                      const std::string& where);
 
 /// Transforms of a skin's joints where the nodes stand, from the mesh; `where`: the node that is

@@ -40,7 +40,7 @@ std::vector<double> morphWeights(const File& file, const tinygltf::Node& node) {
 }
 
 void addMorphTargets(const File& file, const tinygltf::Primitive& source, const char* attribute,
-                     const std::vector<double>& weights, std::span<float> values,
+                     const std::vector<double>& weights, size_t components, std::span<float> values,
                      const std::string& where) {
     for (size_t i = 0; i < std::min(source.targets.size(), weights.size()); ++i) {
         const auto found = source.targets[i].find(attribute);
@@ -50,8 +50,7 @@ void addMorphTargets(const File& file, const tinygltf::Primitive& source, const 
         const std::string target = fmt::format("{}, target {}, {}", where, i, attribute);
         const std::vector<float> offsets =
             readFloats(file, found->second, 3, Integers::kAny, target);
-        const size_t components = values.size() * 3 / std::max<size_t>(offsets.size(), 1);
-        if (components < 3 || components * offsets.size() != 3 * values.size()) {
+        if (offsets.size() / 3 != values.size() / components) {
             file.fail(target, "its length differs from the mesh's; export the file again");
         }
         for (size_t k = 0; k < offsets.size(); ++k) {
