@@ -446,6 +446,7 @@ class Sweep {
         }
         for (const std::string& argument :
              {std::string("--size"), fmt::format("{}x{}", params_.width, params_.height),
+              std::string("--aa"), std::string("1"),  // as references are
               std::string("-o"), output, std::string("--json"), std::string("-")}) {
             command.push_back(argument);
         }

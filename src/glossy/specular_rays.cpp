@@ -137,7 +137,7 @@ vec3 seeAgain(const OutgoingLight& light, const Receivers& receivers, size_t pix
 }
 
 Image<vec3> reflectSpecular(const Receivers& receivers, const Image<SpecularSeen>& seen,
-                            const Image<vec3>& cached) {
+                            const Image<vec3>& cached, bool neighbours) {
     Image<vec3> specular(receivers.image.width, receivers.image.height);
     NoisyLight light{.halves = {specular, specular},
                      .guide = specular,
@@ -157,8 +157,12 @@ Image<vec3> reflectSpecular(const Receivers& receivers, const Image<SpecularSeen
                           : s.light[half] / glm::max(s.weight[half], vec3(1e-12f));
         }
     });
-    const Image<vec3> filtered = filterLight(receivers, light);
-    forEachByRays(receivers, [&](size_t i) { specular.pixels[i] *= filtered.pixels[i]; });
+    const Image<vec3> filtered = neighbours ? filterLight(receivers, light) : Image<vec3>();
+    forEachByRays(receivers, [&](size_t i) {
+        specular.pixels[i] *= neighbours
+                                  ? filtered.pixels[i]
+                                  : 0.5f * (light.halves[0].pixels[i] + light.halves[1].pixels[i]);
+    });
     return specular;
 }
 

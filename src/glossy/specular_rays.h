@@ -35,8 +35,9 @@ vec3 seeAgain(const OutgoingLight& light, const Receivers& receivers, size_t pix
               int sample, const SpecularParams& params);
 
 /// What these lobes reflect; black elsewhere. `cached`: by the records alone, as cachedSpecular()
-/// finds it; of pixels too glossy for the cache it is not asked.
+/// finds it; of pixels too glossy for the cache it is not asked. `neighbours`: the receivers are
+/// an image's pixels, of which those around tell what of a lobe's light is noise; else it stays.
 Image<vec3> reflectSpecular(const Receivers& receivers, const Image<SpecularSeen>& seen,
-                            const Image<vec3>& cached);
+                            const Image<vec3>& cached, bool neighbours = true);
 
 }  // namespace sheen

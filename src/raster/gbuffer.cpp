@@ -65,18 +65,22 @@ Bounds grown(const Bounds& box, float share) {
     return {.lower = box.lower - step, .upper = box.upper + step};
 }
 
-}  // namespace
-
-GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height) {
+// What rays meet through place(x, y) of an image of that size, in pixels from the first one's
+// middle.
+template <class Place>
+GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& image,
+               const ivec2& size, const Place& place) {
     const Scene& scene = tracer.scene();
+    const int width = image.width;
+    const int height = image.height;
     GBuffer result;
-    result.image = pixelGrid(camera, width, height);
-    for (Image<vec3>* image :
+    result.image = image;
+    for (Image<vec3>* layer :
          {&result.position, &result.normal, &result.diffuse, &result.f0, &result.direct}) {
-        *image = Image<vec3>(width, height);
+        *layer = Image<vec3>(width, height);
     }
-    for (Image<float>* image : {&result.depth, &result.f90, &result.roughness}) {
-        *image = Image<float>(width, height);
+    for (Image<float>* layer : {&result.depth, &result.f90, &result.roughness}) {
+        *layer = Image<float>(width, height);
     }
     if (std::any_of(scene.materials.begin(), scene.materials.end(),
                     [](const Material& m) { return m.emits(); }) ||
@@ -89,17 +93,34 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
     parallelFor(height, [&](int y) {
         for (int x = 0; x < width; ++x) {
-            const CameraRay ray =
-                cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
+            const vec2 at = place(x, y);
+            const CameraRay ray = cameraRay(camera, size.x, size.y, at.x, at.y);
             const Hit hit = tracer.seeAlone(ray.origin, ray.direction);
             if (hit.found()) {
-                writePixel(scene, hit, ray.direction, static_cast<size_t>(y * width + x), result);
+                writePixel(scene, hit, ray.direction, image.index(x, y), result);
             } else if (scene.environment.shows()) {
                 result.emission.at(x, y) = scene.environment.radiance(ray.direction);
             }
         }
     });
     return result;
+}
+
+}  // namespace
+
+GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height) {
+    return render(tracer, camera, pixelGrid(camera, width, height), {width, height},
+                  [](int x, int y) { return vec2(x, y); });
+}
+
+GBuffer renderSamples(const Tracer& tracer, const Camera& camera, const ivec2& size,
+                      std::span<const vec2> places, int columns) {
+    SHEEN_CHECK_EQ(places.size() % static_cast<size_t>(columns), 0u);
+    PixelGrid packed = pixelGrid(camera, size.x, size.y);
+    packed.width = columns;
+    packed.height = static_cast<int>(places.size()) / columns;
+    return render(tracer, camera, packed, size,
+                  [&](int x, int y) { return places[packed.index(x, y)] - 0.5f; });
 }
 
 std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {

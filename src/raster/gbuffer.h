@@ -3,6 +3,8 @@
 // of a thousand.
 #pragma once
 
+#include <span>
+
 #include "gl/worker_pool.h"
 #include "image/image.h"
 #include "raster/gpu_scene.h"
@@ -42,6 +44,12 @@ struct GBuffer {
 
 /// What a ray through each pixel's middle meets first. Direct light is black.
 GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height);
+
+/// The same of any places of the image, in pixels, (0.5, 0.5) the first one's middle: packed row by
+/// row, `columns` to a row, whose number theirs is a multiple of. `image` of the result has the
+/// camera's view and pixel angle, but these rows and columns for a size.
+GBuffer renderSamples(const Tracer& tracer, const Camera& camera, const ivec2& size,
+                      std::span<const vec2> places, int columns);
 
 /// Boxes of surfaces, each within the next, from what the camera sees nearest to it on to all but
 /// the scene's bounds: none where these are hardly larger, as where a room is the scene.

@@ -179,26 +179,37 @@ Frame emptyFrame(int width, int height) {
     return frame;
 }
 
-std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
-                                Frame& frame, Counters& counters) {
-    const CameraRay ray = cameraRay(camera, frame.width(), frame.height(), static_cast<float>(x),
-                                    static_cast<float>(y));
+Seen see(const RayScene& rays, const Camera& camera, const ivec2& size, const vec2& place,
+         Counters& counters) {
+    const CameraRay ray = cameraRay(camera, size.x, size.y, place.x, place.y);
     ++counters.rays;
     const RayHit hit = rays.see(ray.origin, ray.direction);
-    if (!hit.found()) {
-        const Environment& sky = rays.scene().environment;
-        frame.emission.at(x, y) = sky.shows() ? sky.radiance(ray.direction) : vec3(0.0f);
+    Seen seen{.origin = ray.origin};
+    if (hit.found()) {
+        seen.surface = rays.surfaceAt(hit, -ray.direction);
+        seen.triangle = hit.triangle;
+        seen.emission = seen.surface->emission;
+    } else if (rays.scene().environment.shows()) {
+        seen.emission = rays.scene().environment.radiance(ray.direction);
+    }
+    return seen;
+}
+
+std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
+                                Frame& frame, Counters& counters) {
+    const Seen seen = see(rays, camera, {frame.width(), frame.height()}, vec2(x, y), counters);
+    frame.emission.at(x, y) = seen.emission;
+    if (!seen.surface) {
         return std::nullopt;
     }
-    const Surface p = rays.surfaceAt(hit, -ray.direction);
+    const Surface& p = *seen.surface;
     const vec3 forward = -vec3(camera.world_from_camera[2]);
-    frame.primitive.at(x, y) = hit.triangle;
-    frame.depth.at(x, y) = glm::dot(p.position - ray.origin, forward);
+    frame.primitive.at(x, y) = seen.triangle;
+    frame.depth.at(x, y) = glm::dot(p.position - seen.origin, forward);
     frame.position.at(x, y) = p.position;
     frame.normal.at(x, y) = p.n;
     frame.albedo.at(x, y) = p.brdf.diffuse;
     frame.roughness.at(x, y) = p.roughness;
-    frame.emission.at(x, y) = p.emission;
     const vec3 direct = directRadiance(rays, p, counters);
     if (finite(direct)) {
         frame.direct.at(x, y) = direct;

@@ -69,6 +69,17 @@ RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters&
 /// A frame that sees nothing: black layers of light and of the G-buffer, no variances.
 Frame emptyFrame(int width, int height);
 
+/// What a camera's ray finds.
+struct Seen {
+    vec3 origin;  ///< of the ray
+    std::optional<Surface> surface = {};
+    uint32_t triangle = kNoPrimitive;
+    vec3 emission{0.0f};  ///< nits: where there is no surface, of the sky if that is to show
+};
+/// Through a place of an image of that size, in pixels from the first one's centre.
+Seen see(const RayScene& rays, const Camera& camera, const ivec2& size, const vec2& place,
+         Counters& counters);
+
 /// The surface at the centre of pixel (x, y), if there is one; sets the pixel's direct light by
 /// punctual lights, its emission (where there is no surface, the sky if that is to show) and
 /// G-buffer in `frame`.

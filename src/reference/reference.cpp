@@ -30,11 +30,16 @@ constexpr uint32_t kLampSeed = 0x6c616d70u;
 constexpr uint32_t kSkySeed = 0x736b7900u;
 constexpr uint32_t kDirectSeed = 0x64697265u;
 
-// Where a pixel's paths start: the point they leave and how they leave it.
+// Of the places in a pixel that paths see, where they see all of it.
+constexpr uint32_t kPlaceSeed = 0x706c6163u;
+
+// Where a path starts: the point it leaves and how it leaves it.
 struct Start {
-    const Surface& p;
+    Surface p;
     BrdfSampler sampler;
-    Guide guide;
+
+    explicit Start(const Surface& surface)
+        : p(surface), sampler(surface.brdf, surface.specular_albedo, surface.n, surface.wo) {}
 };
 
 struct Context {
@@ -43,6 +48,50 @@ struct Context {
     const ReferenceParams& params;
     int samples_per_replicate;
     int guide_size;  // cells along a side; 0: no guide
+};
+
+// What a path of a pixel starts from.
+struct PathStart {
+    std::optional<Start> start;  // none where no surface is seen
+    vec3 emission{0.0f};
+};
+
+// Where a pixel's paths start: all at its middle, or each at a place of its own in its area.
+class Pixel {
+  public:
+    // Of its middle, what is seen there.
+    Pixel(const Context& context, int x, int y, const std::optional<Surface>& middle)
+        : context_(context), x_(x), y_(y) {
+        if (middle) {
+            middle_.start.emplace(*middle);
+        }
+    }
+
+    int x() const { return x_; }
+    int y() const { return y_; }
+    uint32_t seed() const {
+        return hashCombine(hashCombine(hash32(context_.params.seed), static_cast<uint32_t>(x_)),
+                           static_cast<uint32_t>(y_));
+    }
+    PathStart start(uint32_t index, uint32_t seed, Counters& counters) const {
+        const ReferenceParams& params = context_.params;
+        if (!params.pixel_area) {
+            return middle_;
+        }
+        const vec2 place = owenSobol(index, hashCombine(seed, kPlaceSeed)) - 0.5f;
+        const Seen seen = see(context_.rays, params.camera, {params.width, params.height},
+                              vec2(x_, y_) + place, counters);
+        PathStart start{.start = {}, .emission = seen.emission};
+        if (seen.surface) {
+            start.start.emplace(*seen.surface);
+        }
+        return start;
+    }
+
+  private:
+    const Context& context_;
+    int x_, y_;
+    PathStart middle_;
 };
 
 // What lights of all kinds send from a path's vertex, but for the half of lamps and sky that the
@@ -113,10 +162,10 @@ vec3 followPath(const Context& context, const Surface& start, const DirectionSam
 }
 
 // One sample of the indirect light that arrives in directions chosen by the BRDF.
-Scattered samplePath(const Context& context, const Start& start, uint32_t index, uint32_t seed,
-                     Counters& counters) {
+Scattered samplePath(const Context& context, const Start& start, const Guide& guide, uint32_t index,
+                     uint32_t seed, Counters& counters) {
     const Surface& p = start.p;
-    const GuidedPoint guided = start.guide.warp(owenSobol(index, seed));
+    const GuidedPoint guided = guide.warp(owenSobol(index, seed));
     const DirectionSample first = sampleBrdf(start.sampler, p.brdf, p.n, p.wo, guided.u);
     if (context.params.bounces == 0 || black(first.weight)) {
         return {};
@@ -174,21 +223,27 @@ Guide learnGuide(int size, uint32_t seed, const Sample& sample) {
     return Guide(size, contributions);
 }
 
-void estimateIndirect(const Context& context, Start& start, uint32_t pixel_seed, int x, int y,
-                      Frame& frame, Counters& counters) {
+void estimateIndirect(const Context& context, const Pixel& pixel, Frame& frame,
+                      Counters& counters) {
     const ReferenceParams& params = context.params;
-    const uint32_t guide_seed = hashCombine(pixel_seed, kGuideSeed);
-    start.guide = learnGuide(context.guide_size, guide_seed, [&](uint32_t i, const vec2&) {
-        return samplePath(context, start, i, guide_seed, counters).all;
+    const uint32_t guide_seed = hashCombine(pixel.seed(), kGuideSeed);
+    const Guide guide = learnGuide(context.guide_size, guide_seed, [&](uint32_t i, const vec2&) {
+        const PathStart from = pixel.start(i, guide_seed, counters);
+        return from.start ? samplePath(context, *from.start, {}, i, guide_seed, counters).all
+                          : vec3(0.0f);
     });
     Replicates all, diffuse;
     for (int replicate = 0; replicate < params.replicates; ++replicate) {
-        const uint32_t seed = hashCombine(pixel_seed, static_cast<uint32_t>(replicate));
+        const uint32_t seed = hashCombine(pixel.seed(), static_cast<uint32_t>(replicate));
         dvec3 all_sum(0.0), diffuse_sum(0.0);
         for (int i = 0; i < context.samples_per_replicate; ++i) {
             const auto index = static_cast<uint32_t>(i);
-            Scattered sample = samplePath(context, start, index, seed, counters);
-            sample.add(sampleSkyFromStart(context, start, index, seed, counters));
+            const PathStart from = pixel.start(index, seed, counters);
+            if (!from.start) {
+                continue;
+            }
+            Scattered sample = samplePath(context, *from.start, guide, index, seed, counters);
+            sample.add(sampleSkyFromStart(context, *from.start, index, seed, counters));
             if (!finite(sample.all) || !finite(sample.diffuse)) {
                 ++counters.nonfinite;
                 continue;
@@ -200,65 +255,102 @@ void estimateIndirect(const Context& context, Start& start, uint32_t pixel_seed,
         all.add(all_sum / samples);
         diffuse.add(diffuse_sum / samples);
     }
-    frame.indirect.at(x, y) = vec3(all.mean);
-    frame.indirect_variance.at(x, y) = all.varianceOfMean();
-    frame.indirect_diffuse.at(x, y) = vec3(diffuse.mean);
-    frame.indirect_diffuse_variance.at(x, y) = diffuse.varianceOfMean();
+    frame.indirect.at(pixel.x(), pixel.y()) = vec3(all.mean);
+    frame.indirect_variance.at(pixel.x(), pixel.y()) = all.varianceOfMean();
+    frame.indirect_diffuse.at(pixel.x(), pixel.y()) = vec3(diffuse.mean);
+    frame.indirect_diffuse_variance.at(pixel.x(), pixel.y()) = diffuse.varianceOfMean();
 }
 
 // A guide of where on the lamps the light of a pixel comes from: not from their backs, nor from
 // those that are far off or hidden.
-Guide learnLamps(const Context& context, const Start& start, uint32_t seed, Counters& counters) {
-    return learnGuide(context.guide_size, seed, [&](uint32_t, const vec2& u) {
-        const LightChoice lamp = context.lights.lamps.choose(start.p.rayOrigin(), u);
-        return scatterChosen(context.rays, start.p, start.sampler, lamp, counters).all;
+Guide learnLamps(const Context& context, const Pixel& pixel, uint32_t seed, Counters& counters) {
+    if (context.lights.lamps.empty()) {
+        return {};
+    }
+    return learnGuide(context.guide_size, seed, [&](uint32_t i, const vec2& u) {
+        const std::optional<Start> start = pixel.start(i, seed, counters).start;
+        if (!start) {
+            return vec3(0.0f);
+        }
+        const LightChoice lamp = context.lights.lamps.choose(start->p.rayOrigin(), u);
+        return scatterChosen(context.rays, start->p, start->sampler, lamp, counters).all;
     });
 }
 
-// Adds the lamps' light to that of punctual lights, which has no variance.
-void estimateLamps(const Context& context, const Start& start, uint32_t pixel_seed, int x, int y,
-                   Frame& frame, Counters& counters) {
-    const uint32_t direct_seed = hashCombine(pixel_seed, kDirectSeed);
-    const Guide guide = learnLamps(context, start, hashCombine(direct_seed, kGuideSeed), counters);
-    Replicates lamps;
+// One sample of the light that lamps send to a path's start, and of punctual lights' where that is
+// not known.
+vec3 sampleDirect(const Context& context, const Start& start, const Guide& guide, uint32_t index,
+                  uint32_t seed, Counters& counters) {
+    const Lamps& lamps = context.lights.lamps;
+    vec3 sample(0.0f);
+    if (context.params.pixel_area) {
+        sample += directRadiance(context.rays, start.p, counters);
+    }
+    if (!lamps.empty()) {
+        const GuidedPoint guided = guide.warp(owenSobol(index, hashCombine(seed, kLampSeed)));
+        const LightChoice lamp = lamps.choose(start.p.rayOrigin(), guided.u);
+        sample += guided.weight *
+                      scatterChosen(context.rays, start.p, start.sampler, lamp, counters).all +
+                  lampsByBrdf(context.rays, context.lights, start.p, start.sampler,
+                              owenSobol(index, seed), counters);
+    }
+    return sample;
+}
+
+// Adds the lamps' light to that of punctual lights, which at a pixel's middle has no variance; of
+// its area, adds both, and what is emitted there and how much of it is covered.
+void estimateDirect(const Context& context, const Pixel& pixel, Frame& frame, Counters& counters) {
+    const uint32_t direct_seed = hashCombine(pixel.seed(), kDirectSeed);
+    const Guide guide = learnLamps(context, pixel, hashCombine(direct_seed, kGuideSeed), counters);
+    Replicates direct;
+    dvec3 emission(0.0);
+    int covered = 0;
     for (int replicate = 0; replicate < context.params.replicates; ++replicate) {
         const uint32_t seed = hashCombine(direct_seed, static_cast<uint32_t>(replicate));
         dvec3 sum(0.0);
         for (int i = 0; i < context.samples_per_replicate; ++i) {
             const auto index = static_cast<uint32_t>(i);
-            const GuidedPoint guided = guide.warp(owenSobol(index, hashCombine(seed, kLampSeed)));
-            const LightChoice lamp = context.lights.lamps.choose(start.p.rayOrigin(), guided.u);
-            const vec3 sample =
-                guided.weight *
-                    scatterChosen(context.rays, start.p, start.sampler, lamp, counters).all +
-                lampsByBrdf(context.rays, context.lights, start.p, start.sampler,
-                            owenSobol(index, seed), counters);
+            const PathStart from = pixel.start(index, seed, counters);
+            emission += dvec3(from.emission);
+            if (!from.start) {
+                continue;
+            }
+            ++covered;
+            const vec3 sample = sampleDirect(context, *from.start, guide, index, seed, counters);
             if (finite(sample)) {
                 sum += dvec3(sample);
             } else {
                 ++counters.nonfinite;
             }
         }
-        lamps.add(sum / static_cast<double>(context.samples_per_replicate));
+        direct.add(sum / static_cast<double>(context.samples_per_replicate));
     }
-    frame.direct.at(x, y) += vec3(lamps.mean);
-    frame.direct_variance.at(x, y) = lamps.varianceOfMean();
+    frame.direct.at(pixel.x(), pixel.y()) += vec3(direct.mean);
+    frame.direct_variance.at(pixel.x(), pixel.y()) = direct.varianceOfMean();
+    if (context.params.pixel_area) {
+        const double all = context.samples_per_replicate * context.params.replicates;
+        frame.emission.at(pixel.x(), pixel.y()) = vec3(emission / all);
+        frame.coverage.at(pixel.x(), pixel.y()) = static_cast<float>(covered / all);
+    }
 }
 
 void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
                  Counters& counters) {
+    const bool area = context.params.pixel_area;
     const std::optional<Surface> p =
         seePixel(context.rays, context.params.camera, x, y, result.frame, counters);
     if (p) {
         result.specular_albedo.at(x, y) = p->specular_albedo;
-        Start start{.p = *p, .sampler = {p->brdf, p->specular_albedo, p->n, p->wo}, .guide = {}};
-        const uint32_t pixel_seed =
-            hashCombine(hashCombine(hash32(context.params.seed), static_cast<uint32_t>(x)),
-                        static_cast<uint32_t>(y));
-        if (!context.lights.lamps.empty()) {
-            estimateLamps(context, start, pixel_seed, x, y, result.frame, counters);
+    }
+    if (area) {
+        result.frame.direct.at(x, y) = vec3(0.0f);
+    }
+    if (p || area) {
+        const Pixel pixel(context, x, y, p);
+        if (!context.lights.lamps.empty() || area) {
+            estimateDirect(context, pixel, result.frame, counters);
         }
-        estimateIndirect(context, start, pixel_seed, x, y, result.frame, counters);
+        estimateIndirect(context, pixel, result.frame, counters);
     }
 }
 
@@ -307,6 +399,9 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
          {&result.frame.indirect_variance, &result.frame.indirect_diffuse_variance,
           &result.frame.direct_variance, &result.specular_albedo}) {
         *layer = Image<vec3>(params.width, params.height, vec3(0.0f));
+    }
+    if (params.pixel_area) {
+        result.frame.coverage = Image<float>(params.width, params.height);
     }
     std::atomic<int64_t> ray_count{0};
     std::atomic<int64_t> nonfinite{0};

@@ -69,8 +69,8 @@ SceneState::~SceneState() {
 // rays -> G-buffer -> receivers -> rays where the cache cannot follow. Direct light comes from rays
 // where records use rays, else from shadow maps.
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds) {
+    const Camera& camera = findCamera(state.scene, params.camera);
     GBuffer gbuffer = timed(seconds.gbuffer, [&] {
-        const Camera camera = findCamera(state.scene, params.camera);
         return renderGBuffer(state.tracer, camera, params.width, params.height);
     });
     state.prepareFor(nearBoxes(state.scene, gbuffer), seconds);
@@ -86,10 +86,17 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         return receiversOf(state.scene, std::move(gbuffer), params.sh_order,
                            params.method == Method::kIrradiance);
     });
+    if (params.aa > 1) {
+        const StageTimer timer(seconds.gbuffer);
+        edges = findEdges(state.tracer, state.lamps, camera, receivers, params.sh_order, params.aa);
+    }
     checkSplat(state.pool, receivers);
+    const StageTimer timer(seconds.gather);
     if (receivers.anyByRays()) {
-        const StageTimer timer(seconds.gather);
         specular = traceSpecular(*state.outgoing, receivers, params.specular);
+    }
+    if (edges && edges->strays.anyByRays()) {
+        stray_specular = traceSpecular(*state.outgoing, edges->strays, params.specular);
     }
 }
 
