@@ -128,6 +128,7 @@ class Sweep {
         for (ChartScene& chart_scene : scenes_) {
             const Scene scene = loadScene(chart_scene.file, params_.camera, params_.environment);
             checkNotOverwritten(scene.files);
+            checkSky(scene, chart_scene);
             identities_.push_back(identify(scene, params_.camera, chart_scene));
         }
         for (const fs::path& folder : {root_, points_, references_}) {
@@ -167,6 +168,19 @@ class Sweep {
     }
 
   private:
+    // Methods of one scene must see one light.
+    void checkSky(const Scene& scene, const ChartScene& chart_scene) const {
+        const bool rasterised =
+            std::any_of(params_.methods.begin(), params_.methods.end(),
+                        [](const SweepMethod& method) { return method.name == "rasterised"; });
+        if (rasterised && !scene.environment.empty()) {
+            throwUsage(
+                "{}: lit by a sky, which rasterised records do not see; leave rasterised out by "
+                "--methods",
+                chart_scene.file);
+        }
+    }
+
     void checkNotOverwritten(const std::vector<std::string>& inputs) const {
         for (const char* report : kReportFiles) {
             for (const std::string& input : inputs) {
@@ -459,9 +473,9 @@ class Sweep {
                            {"--environment", sky.source, "--environment-rotation",
                             fmt::format("{}", sky.rotation), "--environment-strength",
                             fmt::format("{}", sky.strength)});
-            if (sky.transparent) {
-                command.push_back("--transparent");
-            }
+        }
+        if (sky.transparent) {
+            command.push_back("--transparent");
         }
         return command;
     }

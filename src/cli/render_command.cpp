@@ -397,6 +397,8 @@ ExitCode runRender(RenderOptions& o) {
     checkFileOptions(o, kind);
     setThreadCount(o.threads);
 
+    o.environment.no_sky =
+        usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
     const Timer load;
     const Scene scene = loadScene(o.scene, o.params.camera, o.environment);
     for (const std::string& warning : scene.warnings) {

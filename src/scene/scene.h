@@ -67,8 +67,8 @@ struct Scene {
 /// and lights, as docs/gltf.md lists them. Whatever else the file uses is named in Scene::warnings,
 /// or, where the result would be wrong (a required extension, a compressed mesh), is an input
 /// error. A scene without cameras gets one that frames its bounds; geometry without lights, none of
-/// which emits, gets a sun of pi lux, from above and to the left of its first camera, and a warning
-/// that says so, unless an environment is given or said to be none.
+/// which emits, gets a studio (scene/defaults.h) about its first camera, and a warning that says so,
+/// unless an environment is given or said to be none.
 /// `camera`: the one to be seen by, as findCamera() has it, by which Scene::origin is chosen.
 /// `environment`: the light of the surroundings, of which the file says nothing; see
 /// loadEnvironment() for its errors.
