@@ -114,8 +114,28 @@ TEST(SmoothEdges, ThinThingsAreLitAsTheReferenceHasThem) {
     EXPECT_GT(errorOf(middles, &Frame::direct), 0.4);
 }
 
+// A mirror that shows a black square before a white sky.
+TEST(SmoothEdges, MirrorsShowThemToo) {
+    Scene scene;
+    const uint32_t mirror = addMaterial(scene, glossyParams(vec3(1.0f), 1.0f, 0.0f));
+    const uint32_t black = addMaterial(scene, diffuseParams(vec3(0.0f)));
+    addQuad(scene, vec3(-2, -2, 0), vec3(4, 0, 0), vec3(0, 4, 0), mirror);
+    addQuad(scene, vec3(-0.4f, -0.5f, 1.5f), vec3(1.0f, 0.15f, 0), vec3(-0.15f, 1.0f, 0), black);
+    scene.environment.texels = Image<vec3>(1, 1, vec3(1.0f));
+    scene.cameras.push_back(lookAt(vec3(0, 0, 1), vec3(0)));
+    RenderParams params = smooth(Method::kReference);
+    const Frame truth = renderFrame(scene, params).frame;
+    const auto error = [&](int samples) {
+        params.method = Method::kRadiance;
+        params.aa = samples;
+        const Frame frame = renderFrame(scene, params).frame;
+        return compareImages({.test = frame.indirect, .reference = truth.indirect}).rel_rmse;
+    };
+    EXPECT_LT(error(kSamples), 0.5 * error(1));
+}
+
 TEST(SmoothEdges, RecordsAndTheirEstimateStayThoseOfPixelsMiddles) {
-    const Scene scene = glossyRoom();
+    const Scene scene = glossyRoom(0.5f, 0.5f);
     const RenderResult smooth_edges = renderFrame(scene, smooth(Method::kRadiance));
     const RenderResult middles = renderFrame(scene, smallRender(kSize, kSize));
     EXPECT_EQ(smooth_edges.stats.records, middles.stats.records);

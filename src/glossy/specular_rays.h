@@ -13,7 +13,10 @@ namespace sheen {
 struct SpecularParams {
     float rays_per_alpha = 7680;  ///< a pixel's rays by its lobe's width, in whole packets
     int max_rays = 768;           ///< a pixel
-    float window = 2;             ///< typical deviation of the windows that share corrected pixels'
+    /// Of pixels too glossy for the cache rays leave from all that they see of the middle's
+    /// surface, not from the middle alone. Receivers are then the pixels of an image.
+    bool pixel_area = false;
+    float window = 2;  ///< typical deviation of the windows that share corrected pixels'
                        ///< rays, in pixels: rays see highlights as wide as all of them do
 };
 

@@ -442,7 +442,9 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
                 state_.reset();  // never two of them in memory
                 state_ = std::make_unique<SceneState>(scene_, params.gather_road, seconds);
             }
-            return renderByCache(*state_, seconds, params, timer);
+            RenderParams smoothed = params;
+            smoothed.specular.pixel_area = params.aa > 1;
+            return renderByCache(*state_, seconds, smoothed, timer);
         }
     }
     throw std::logic_error("unknown method");

@@ -96,7 +96,9 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         specular = traceSpecular(*state.outgoing, receivers, params.specular);
     }
     if (edges && edges->strays.anyByRays()) {
-        stray_specular = traceSpecular(*state.outgoing, edges->strays, params.specular);
+        SpecularParams alone = params.specular;
+        alone.pixel_area = false;
+        stray_specular = traceSpecular(*state.outgoing, edges->strays, alone);
     }
 }
 
