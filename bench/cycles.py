@@ -140,7 +140,7 @@ def compare(folder, name, sky, options):
     scene = folder / f"{name}.glb"
     write_plain(ROOT / "scenes" / scene.name, scene)
     ours, theirs = folder / "sheen.exr", folder / "cycles.exr"
-    command = [ROOT / "build/release/sheen", "render", scene, "--method", "reference", "--size",
+    command = [ROOT / "build/release/sheen", "render", scene, "--method", "reference", "--aa", "1", "--size",
                f"{options.size}x{options.size}", "--spp", str(options.spp), "--bounces",
                str(options.bounces), "--layers", "all", "-o", ours]
     subprocess.run(command + (["--environment", sky] if sky else []), check=True,

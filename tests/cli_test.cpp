@@ -51,8 +51,7 @@ TEST_F(CliTest, environmentsThatCannotBe) {
         expectError(fmt::format("render scene.gltf --environment 1,1,1 --gather {}", gather),
                     ExitCode::kUsage, "--gather ray");
     }
-    for (const char* option :
-         {"--environment-rotation 10", "--environment-strength 2", "--transparent"}) {
+    for (const char* option : {"--environment-rotation 10", "--environment-strength 2"}) {
         expectError(fmt::format("render scene.gltf {}", option), ExitCode::kUsage, "--environment");
     }
 }

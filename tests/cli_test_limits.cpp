@@ -88,6 +88,23 @@ TEST_F(CliLimitsTest, aRoomWithoutLight) {
     expectBlack("dark.gltf", "'front' sees surfaces but no light");
 }
 
+// Without a light at all the file gets a studio, of which records that are rasterised see the key.
+TEST_F(CliLimitsTest, aFileWithoutLight) {
+    std::ofstream(file("unlit.gltf"))
+        << changed(R"(, "extensions": {"KHR_lights_punctual": {"light": 0}})", "");
+    const auto said = [this](const std::string& options) {
+        const Outcome run = call("render unlit.gltf --size 24x16 -o a.exr " + options);
+        EXPECT_EQ(run.code, 0) << run.err;
+        return run.err;
+    };
+    EXPECT_NE(said("").find("a studio's grey sky and a key light"), std::string::npos);
+    EXPECT_EQ(readExr(file("a.exr")).scalars.at("A").at(0, 0), 1.0f);
+    EXPECT_NE(said("--transparent").find("a studio's grey sky"), std::string::npos);
+    EXPECT_EQ(readExr(file("a.exr")).scalars.at("A").at(0, 0), 0.0f);
+    EXPECT_NE(said("--gather hemicube").find("lit by a key light"), std::string::npos);
+    EXPECT_NE(said("--environment none").find("the image is black"), std::string::npos);
+}
+
 TEST_F(CliLimitsTest, aCameraInsideASolid) {
     writeFile(file("cube.glb"), cubeAroundTheCamera().glb());
     expectBlack("cube.glb", "'eye' is inside a solid");

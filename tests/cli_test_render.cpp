@@ -49,6 +49,24 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
     EXPECT_GT(json["seconds"]["total"].get<double>(), 0.0);
 }
 
+TEST_F(CliTest, edgesAreSmoothByDefaultWhereTheMethodHasThat) {
+    const auto samples = [this](const std::string& options) {
+        const Outcome run = call("render scene.gltf --size 16x12 -o a.exr --json - " + options);
+        EXPECT_EQ(run.code, 0) << run.err;
+        return Json::parse(run.out)["aa"].get<int>();
+    };
+    EXPECT_EQ(samples(""), 16);
+    EXPECT_EQ(samples("--aa 2"), 2);
+    EXPECT_EQ(samples("--method octree"), 1);
+    EXPECT_EQ(samples("--gather hemicube"), 1);
+    for (const char* options : {"--aa 3", "--aa 0", "--method octree --aa 4",
+                                "--method denoised --aa 2", "--gather border --aa 16"}) {
+        const Outcome run = call(fmt::format("render scene.gltf --size 16x12 {}", options));
+        EXPECT_EQ(run.code, 2) << options;
+        EXPECT_NE(run.err.find("--aa"), std::string::npos) << run.err;
+    }
+}
+
 TEST_F(CliTest, aTargetErrorIsReachedOrMissedAloud) {
     const char* const render = "render scene.gltf --size 24x16 -o a.exr --json a.json";
     const Outcome reached = call(fmt::format("{} --target-error 0.5", render));

@@ -500,10 +500,15 @@ TEST_F(PngTest, isTransparentWhereNothingIsSeenUnlessASkyShows) {
         png.format = PNG_FORMAT_RGBA;
         std::vector<uint8_t> bytes(PNG_IMAGE_SIZE(png));
         EXPECT_NE(png_image_finish_read(&png, nullptr, bytes.data(), 0, nullptr), 0);
+        EXPECT_EQ(bytes[0], 181);  // 0.5 less the curve's toe, whatever covers how much of it
         return std::vector<int>{bytes[3], bytes[7]};
     };
     EXPECT_EQ(alphas(), (std::vector<int>{255, 0}));
     EXPECT_EQ(alpha(frame).pixels, (std::vector<float>{1.0f, 0.0f}));
+    frame.coverage = Image<float>(2, 1, 0.25f);
+    frame.direct.at(0, 0) = vec3(0.125f);
+    EXPECT_EQ(alphas(), (std::vector<int>{64, 64}));
+    frame.direct.at(0, 0) = vec3(0.5f);
     frame.shows_sky = true;
     EXPECT_EQ(alphas(), (std::vector<int>{255, 255}));
     EXPECT_EQ(alpha(frame).pixels, (std::vector<float>{1.0f, 1.0f}));

@@ -1,1 +1,1 @@
-sheen_test(receivers SOURCES receivers_test.cpp receivers_test_lobes.cpp USES sheen_receivers)
+sheen_test(receivers SOURCES receivers_test.cpp receivers_test_lobes.cpp receivers_test_edges.cpp USES sheen_receivers)

@@ -303,7 +303,7 @@ TEST(SceneLoader, SceneWithoutCamerasGetsOneThatSeesAllOfItAndSaysSo) {
     }
 }
 
-TEST(SceneLoader, SceneThatWouldBeBlackGetsASunAndSaysSo) {
+TEST(SceneLoader, SceneThatWouldBeBlackGetsAStudioAndSaysSo) {
     GltfFile file = oneTriangle();
     const Scene dark = file.load();
     ASSERT_EQ(dark.lights.size(), 1u);
@@ -343,10 +343,56 @@ TEST(SceneDefaults, KeyLightComesFromTheLeftOfTheFirstCamera) {
     }
 }
 
+// As the camera turns about the vertical, so do key and sky: from the first camera every file looks
+// alike. Of a level white surface in the key's shadow the sky makes a radiance of 0.78.
+TEST(SceneDefaults, TheStudioIsSetUpAboutTheFirstCamera) {
+    const Environment straight = studioSky(Camera{});
+    for (const float turn : {0.5f, 2.0f, -3.0f}) {
+        const mat4 turned = glm::rotate(mat4(1.0f), turn, vec3(0, 1, 0));
+        const Environment sky = studioSky({.name = "", .world_from_camera = turned});
+        for (const vec3& way : {vec3(-1, 0.2f, 0), vec3(1, 0.4f, -0.3f), vec3(0, -1, 0.1f)}) {
+            const vec3 d = glm::normalize(way);
+            const vec3 there = sky.radiance(mat3(turned) * d);
+            EXPECT_NEAR(there.x, straight.radiance(d).x, 1e-3f);
+            EXPECT_EQ(there.x, there.y);
+            EXPECT_EQ(there.x, there.z);
+        }
+    }
+    double level = 0.0;
+    const Image<vec3>& texels = straight.texels;
+    for (int y = 0; y < texels.height / 2; ++y) {
+        const double theta = kPi * (y + 0.5) / texels.height;
+        for (int x = 0; x < texels.width; ++x) {
+            level += texels.at(x, y).x * std::sin(theta) * std::cos(theta) * kPi / texels.height *
+                     2.0 * kPi / texels.width / kPi;
+        }
+    }
+    EXPECT_NEAR(level, 0.78, 0.01);
+    EXPECT_GT(straight.radiance(vec3(0, 1, 0)).x, 2.0f * straight.radiance(vec3(0, -1, 0)).x);
+    const vec3 key = -keyLight(Camera{}).direction;
+    EXPECT_GT(straight.radiance(key).x, straight.radiance(vec3(-key.x, key.y, -key.z)).x);
+}
+
+TEST(SceneDefaults, TheStudioCanBeLeftOutOrBeUnseen) {
+    const std::string path = oneTriangle().write();
+    const Scene studio = loadScene(path);
+    EXPECT_TRUE(studio.environment.shows());
+    EXPECT_TRUE(warnsOf(studio, "a studio's grey sky"));
+    const Scene unseen = loadScene(path, {}, {.source = "", .transparent = true});
+    EXPECT_FALSE(unseen.environment.empty());
+    EXPECT_FALSE(unseen.environment.shows());
+    const Scene no_sky = loadScene(path, {}, {.source = "", .no_sky = true});
+    EXPECT_TRUE(no_sky.environment.empty());
+    EXPECT_EQ(no_sky.lights.size(), 1u);
+    EXPECT_TRUE(warnsOf(no_sky, "lit by a key light"));
+}
+
 TEST(SceneDefaults, NothingIsAddedWhereTheEnvironmentIsNamed) {
     const std::string path = oneTriangle().write();
     EXPECT_EQ(loadScene(path).lights.size(), 1u);
-    EXPECT_TRUE(loadScene(path, {.environment = {.source = "none"}}).lights.empty());
+    const Scene none = loadScene(path, {.environment = {.source = "none"}});
+    EXPECT_TRUE(none.lights.empty());
+    EXPECT_TRUE(none.environment.empty());
     const Scene lit = loadScene(path, {.environment = {.source = "1,1,1"}});
     EXPECT_TRUE(lit.lights.empty());
     EXPECT_TRUE(lit.environment.shows());

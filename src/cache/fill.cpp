@@ -71,4 +71,26 @@ Placement placeRecords(const Scene& scene, const Receivers& receivers,
     return {.cache = placed.handOver(), .uncovered = placed.coverage().countUncovered()};
 }
 
+RecordCache recordsAt(const Scene& scene, const Receivers& receivers,
+                      std::span<const size_t> wanted, const PlacementParams& params,
+                      Gatherer& gatherer) {
+    std::vector<RecordSite> sites;
+    for (const size_t i : wanted) {
+        sites.push_back(siteAt(scene, receivers, i));
+    }
+    RecordCache cache;
+    const std::vector<GatheredRecord> gathered = gatherer.gather(sites);
+    for (size_t k = 0; k < wanted.size(); ++k) {
+        Record record = gathered[k].record;
+        record.radius = params.min_pixels * receivers.footprints[wanted[k]] / params.accuracy;
+        record.material = static_cast<float>(receivers.materials[wanted[k]]);
+        record.sh_first = static_cast<int>(cache.sh.size());
+        cache.sh.insert(cache.sh.end(), gathered[k].sh.begin(), gathered[k].sh.end());
+        boundGradients(record, cache.sh.data() + record.sh_first,
+                       params.servingWeight().accuracy * record.radius, params.gradient_limit);
+        cache.records.push_back(record);
+    }
+    return cache;
+}
+
 }  // namespace sheen

@@ -3,6 +3,7 @@
 // Based on: [GKB09, algorithm 5], [WH92], [War94].
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "cache/placed_records.h"
@@ -50,5 +51,11 @@ struct Placement {
 Placement placeRecords(const Scene& scene, const Receivers& receivers,
                        const PlacementParams& params, Gatherer& gatherer, RecordField& field,
                        bool quiet, double seconds = kInfinity);
+
+/// Records at those receivers, of the least reach and none to be placed: what strays (edges.h)
+/// get that no record of the field serves.
+RecordCache recordsAt(const Scene& scene, const Receivers& receivers,
+                      std::span<const size_t> wanted, const PlacementParams& params,
+                      Gatherer& gatherer);
 
 }  // namespace sheen

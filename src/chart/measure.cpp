@@ -128,6 +128,7 @@ class Sweep {
         for (ChartScene& chart_scene : scenes_) {
             const Scene scene = loadScene(chart_scene.file, loadParams());
             checkNotOverwritten(scene.files);
+            checkSky(scene, chart_scene);
             identities_.push_back(identify(scene, params_.camera, chart_scene));
         }
         for (const fs::path& folder : {root_, points_, references_}) {
@@ -169,6 +170,19 @@ class Sweep {
   private:
     LoadParams loadParams() const {
         return {.camera = params_.camera, .environment = params_.environment};
+    }
+
+    // Methods of one scene must see one light.
+    void checkSky(const Scene& scene, const ChartScene& chart_scene) const {
+        const bool rasterised =
+            std::any_of(params_.methods.begin(), params_.methods.end(),
+                        [](const SweepMethod& method) { return method.name == "rasterised"; });
+        if (rasterised && !scene.environment.empty()) {
+            throwUsage(
+                "{}: lit by a sky, which rasterised records do not see; leave rasterised out by "
+                "--methods",
+                chart_scene.file);
+        }
     }
 
     void checkNotOverwritten(const std::vector<std::string>& inputs) const {
@@ -450,6 +464,7 @@ class Sweep {
         }
         for (const std::string& argument :
              {std::string("--size"), fmt::format("{}x{}", params_.width, params_.height),
+              std::string("--aa"), std::string("1"),  // as references are
               std::string("-o"), output, std::string("--json"), std::string("-")}) {
             command.push_back(argument);
         }
@@ -462,9 +477,9 @@ class Sweep {
                            {"--environment", sky.source, "--environment-rotation",
                             fmt::format("{}", sky.rotation), "--environment-strength",
                             fmt::format("{}", sky.strength)});
-            if (sky.transparent) {
-                command.push_back("--transparent");
-            }
+        }
+        if (sky.transparent) {
+            command.push_back("--transparent");
         }
         return command;
     }

@@ -108,7 +108,8 @@ void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params) {
     CLI::Option* environment =
         app.add_option("--environment", params.source,
                        "Sky that lights the scene and shows behind it: an image by latitude and "
-                       "longitude (.hdr, .exr), a colour R,G,B in nits, or none")
+                       "longitude (.hdr, .exr), a colour R,G,B in nits, or none; default: none, "
+                       "or a studio where a file has no light at all")
             ->type_name("FILE|R,G,B|none")
             ->check(fileName());
     app.add_option("--environment-rotation", params.rotation,
@@ -121,8 +122,7 @@ void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params) {
         ->needs(environment)
         ->capture_default_str();
     app.add_flag("--transparent", params.transparent,
-                 "The sky only lights: where no surface is seen the image stays transparent")
-        ->needs(environment);
+                 "The sky only lights: where no surface is seen the image stays transparent");
 }
 
 FileKind imageKind(const std::string& path) {

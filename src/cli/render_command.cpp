@@ -63,6 +63,7 @@ struct RenderOptions {
     double fov = 0.0;  // degrees; 0: the camera's
     RenderParams params;
     std::vector<LimitedOption> limited;
+    CLI::Option* aa_option = nullptr;
     CLI::Option* exposure_option = nullptr;
     CLI::Option* tone_option = nullptr;
     CLI::Option* layers_option = nullptr;
@@ -113,6 +114,16 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
                        "state them, highlights compressed) or none (clipped)")
             ->check(CLI::IsMember(keysOf(kTones)))
             ->capture_default_str();
+    o.aa_option = app.add_option("--aa", o.params.aa,
+                                 fmt::format("radiance and irradiance by rays, reference: samples "
+                                             "of a pixel with edges, 1 (its middle alone), 2, 4, "
+                                             "8, 16, 32 or 64; default: {}, of what has no such "
+                                             "samples 1; the reference sees the whole pixel from "
+                                             "2 on",
+                                             kSmoothEdges))
+                      ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))
+                      ->type_name("N")
+                      ->default_str("");
     o.layers_option = app.add_option("--layers", o.layers,
                                      "EXR only: basic (beauty, direct, indirect) or all "
                                      "(also normals, depth, record weights, ...)")
@@ -299,6 +310,9 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"diffuse_share", stats.diffuse_share},
                  {"corrected_share", stats.corrected_share},
                  {"too_glossy_share", stats.too_glossy_share},
+                 {"aa", o.params.aa},
+                 {"pixels_edges", stats.pixels_edges},
+                 {"edge_records", stats.edge_records},
                  {"sh_order", shOrders(stats.sh_order)},
                  {"gl_renderer", stats.gl_renderer}};
     if (usesCache(o.params.method)) {
@@ -356,6 +370,10 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
             "{:.1f}%\n",
             100.0 * stats.diffuse_share, 100.0 * stats.corrected_share,
             100.0 * stats.too_glossy_share);
+        if (o.params.aa > 1) {
+            fmt::print("edges     {} pixels of {} samples; {} records for what no pixel sees\n",
+                       stats.pixels_edges, o.params.aa, stats.edge_records);
+        }
         fmt::print("materials {}\n", orderSummary(stats.sh_order));
         fmt::print("renderer  {}, {} threads\n", stats.gl_renderer, threadCount());
     }
@@ -400,6 +418,9 @@ ExitCode runRender(RenderOptions& o) {
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.all_layers = o.layers == "all";
+    if (o.aa_option->count() == 0 && smoothsEdges(o.params.method, o.params.gather_road)) {
+        o.params.aa = kSmoothEdges;
+    }
     parseExposure(o.exposure);
     parseView(o);
     checkMethodOptions(o);
@@ -408,6 +429,8 @@ ExitCode runRender(RenderOptions& o) {
     checkFileOptions(o, kind);
     setThreadCount(o.threads);
 
+    o.environment.no_sky =
+        usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
     const Timer load;
     const Scene scene = loadScene(o.scene, o.load);
     for (const std::string& warning : scene.warnings) {

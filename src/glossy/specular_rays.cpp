@@ -17,6 +17,47 @@ namespace {
 // A row of samples is a packet of rays.
 constexpr int kRowSamples = Tracer::kPacket;
 constexpr uint32_t kMostSamples = 1u << 16u;  // of a pixel, more than there are
+constexpr int kAreaRows = 8;                  // of one of which the whole area counts, at the least
+
+// Where rays of a pixel leave, and what mirrors them there.
+struct LobeStart {
+    vec3 eye, n_g, n, wo;
+};
+
+LobeStart middleOf(const Scene& scene, const Receivers& receivers, size_t i) {
+    const SurfaceSide side = receivers.sideAt(scene, i);
+    return {side.start(), side.n_g, receivers.normals[i], receivers.towardViewer(i)};
+}
+
+// At a place of the pixel that is the row's own, where the camera sees the middle's surface there:
+// so what mirrors show has smooth edges.
+LobeStart placeInPixel(const OutgoingLight& light, const Receivers& receivers, size_t i,
+                       const LobeStart& middle, int row, int rows) {
+    constexpr float kGolden = 0.6180340f;  // places by the golden ratio are evenly spread
+    constexpr float kOffPlane = 1.0f;      // footprints
+    const Scene& scene = light.scene();
+    const PixelGrid& image = receivers.image;
+    const auto width = static_cast<size_t>(image.width);
+    const vec2 u((static_cast<float>(row) + 0.5f) / static_cast<float>(rows),
+                 glm::fract((static_cast<float>(row) + 0.5f) * kGolden));
+    const vec2 place = (vec2(i % width, i / width) + u) / vec2(image.width, image.height);
+    const vec3 way = glm::normalize(shared::viewDirection(image.view, 2.0f * place - 1.0f));
+    const Sight sight = light.tracer().seeAlone(image.view.origin, way);
+    for (int veil = 0; veil <= sight.veil_count; ++veil) {
+        const Hit hit = sight.part(veil).hit;
+        if (!hit.found() ||
+            static_cast<int>(scene.materials_of[hit.triangle]) != receivers.materials[i]) {
+            continue;
+        }
+        const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -way, hit.distance);
+        const vec3 n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo).smooth;
+        const float height = 0.5f * glm::dot(p.position - receivers.positions[i], n + middle.n);
+        if (std::abs(height) <= kOffPlane * receivers.footprints[i]) {
+            return {p.eye(scene), p.n_g, n, p.wo};
+        }
+    }
+    return middle;
+}
 
 // What a pixel sees by this share of the usual rays, when `sharing` pixels share them. A ray sees
 // highlights as wide as the cone it stands for: where that is counted too wide, mirrored highlights
@@ -24,24 +65,25 @@ constexpr uint32_t kMostSamples = 1u << 16u;  // of a pixel, more than there are
 // lobe's albedo.
 SpecularSeen see(const OutgoingLight& light, const Receivers& receivers, size_t i, float rays_share,
                  float sharing, const SpecularParams& params, uint32_t sample = 0) {
-    const SurfaceSide from = receivers.sideAt(light.scene(), i);
-    const vec3& n_g = from.n_g;
-    const mat3 frame = tangentFrame(receivers.normals[i]);
-    const vec3 wo_local = glm::transpose(frame) * receivers.towardViewer(i);
-    const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
+    const LobeStart middle = middleOf(light.scene(), receivers, i);
+    const bool area = params.pixel_area && receivers.isTooGlossy(i);  // wider lobes hide edges
     const float alpha = receivers.alpha(i);
     const vec3& f0 = receivers.f0[i];
     const float f90 = receivers.f90[i];
-    const vec3 eye = from.start();
     const float wanted =
         rays_share * std::min(params.rays_per_alpha * alpha, static_cast<float>(params.max_rays));
-    const int rows = std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), 1);
+    const int rows =
+        std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), area ? kAreaRows : 1);
     const float rays_sharing = static_cast<float>(rows * kRowSamples) * sharing;
     // The halves are the fields of a chessboard of strata, which is which by chance: each is right
     // on average, and both together are as evenly spread as one set of rays.
     const bool turned = randomPlace(static_cast<uint32_t>(i), ~sample).x < 0.5f;
     SpecularSeen result;
     for (int row = 0; row < rows; ++row) {
+        const LobeStart from = area ? placeInPixel(light, receivers, i, middle, row, rows) : middle;
+        const mat3 frame = tangentFrame(from.n);
+        const vec3 wo_local = glm::transpose(frame) * from.wo;
+        const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
         vec3 directions[kRowSamples];
         vec3 weights[kRowSamples];
         int halves[kRowSamples];
@@ -64,7 +106,7 @@ SpecularSeen see(const OutgoingLight& light, const Receivers& receivers, size_t 
             const vec3 weight = fresnel * visibleNormalWeight(NoV, wi.z, alpha);
             const int half = (row + k + (turned ? 1 : 0)) % 2;
             result.weight[half] += weight;
-            if (glm::dot(direction, n_g) > 0.0f) {
+            if (glm::dot(direction, from.n_g) > 0.0f) {
                 directions[count] = glm::normalize(direction);
                 // One over the density of the rays, D G1 / (4 NoV) of each [Hei18, eq. 17], those
                 // of the pixels that share them included.
@@ -75,7 +117,7 @@ SpecularSeen see(const OutgoingLight& light, const Receivers& receivers, size_t 
                 weights[count++] = weight;
             }
         }
-        light.cast({.origin = eye,
+        light.cast({.origin = from.eye,
                     .directions = {directions, count},
                     .solid_angles = {solid_angles, count}},
                    seen);
@@ -137,7 +179,7 @@ vec3 seeAgain(const OutgoingLight& light, const Receivers& receivers, size_t pix
 }
 
 Image<vec3> reflectSpecular(const Receivers& receivers, const Image<SpecularSeen>& seen,
-                            const Image<vec3>& cached) {
+                            const Image<vec3>& cached, bool neighbours) {
     Image<vec3> specular(receivers.image.width, receivers.image.height);
     NoisyLight light{.halves = {specular, specular},
                      .guide = specular,
@@ -157,8 +199,12 @@ Image<vec3> reflectSpecular(const Receivers& receivers, const Image<SpecularSeen
                           : s.light[half] / glm::max(s.weight[half], vec3(1e-12f));
         }
     });
-    const Image<vec3> filtered = filterLight(receivers, light);
-    forEachByRays(receivers, [&](size_t i) { specular.pixels[i] *= filtered.pixels[i]; });
+    const Image<vec3> filtered = neighbours ? filterLight(receivers, light) : Image<vec3>();
+    forEachByRays(receivers, [&](size_t i) {
+        specular.pixels[i] *= neighbours
+                                  ? filtered.pixels[i]
+                                  : 0.5f * (light.halves[0].pixels[i] + light.halves[1].pixels[i]);
+    });
     return specular;
 }
 

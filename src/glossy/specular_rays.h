@@ -13,7 +13,10 @@ namespace sheen {
 struct SpecularParams {
     float rays_per_alpha = 7680;  ///< a pixel's rays by its lobe's width, in whole packets
     int max_rays = 768;           ///< a pixel
-    float window = 2;             ///< typical deviation of the windows that share corrected pixels'
+    /// Of pixels too glossy for the cache rays leave from all that they see of the middle's
+    /// surface, not from the middle alone. Receivers are then the pixels of an image.
+    bool pixel_area = false;
+    float window = 2;  ///< typical deviation of the windows that share corrected pixels'
                        ///< rays, in pixels: rays see highlights as wide as all of them do
 };
 
@@ -35,8 +38,9 @@ vec3 seeAgain(const OutgoingLight& light, const Receivers& receivers, size_t pix
               int sample, const SpecularParams& params);
 
 /// What these lobes reflect; black elsewhere. `cached`: by the records alone, as cachedSpecular()
-/// finds it; of pixels too glossy for the cache it is not asked.
+/// finds it; of pixels too glossy for the cache it is not asked. `neighbours`: the receivers are
+/// an image's pixels, of which those around tell what of a lobe's light is noise; else it stays.
 Image<vec3> reflectSpecular(const Receivers& receivers, const Image<SpecularSeen>& seen,
-                            const Image<vec3>& cached);
+                            const Image<vec3>& cached, bool neighbours = true);
 
 }  // namespace sheen

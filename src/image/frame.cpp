@@ -5,7 +5,8 @@ namespace sheen {
 Image<float> alpha(const Frame& frame) {
     Image<float> image(frame.width(), frame.height(), 1.0f);
     for (size_t i = 0; i < image.pixels.size() && !frame.shows_sky; ++i) {
-        image.pixels[i] = frame.primitive.pixels[i] == kNoPrimitive ? 0.0f : 1.0f;
+        const bool seen = frame.primitive.pixels[i] != kNoPrimitive;
+        image.pixels[i] = !frame.coverage.empty() ? frame.coverage.pixels[i] : seen ? 1.0f : 0.0f;
     }
     return image;
 }

@@ -18,6 +18,8 @@ struct Frame {
     Image<vec3> indirect_diffuse;  ///< its diffuse part
     Image<vec3> emission;          ///< of what is seen; where that is nothing, the sky or black
     bool shows_sky = false;        ///< pixels that see nothing are not transparent
+    Image<float> coverage;  ///< share of a pixel that sees a surface; empty: all or nothing, as its
+                            ///< middle does
     // The G-buffer.
     Image<vec3> albedo;         ///< diffuse reflectance toward the camera, 0..1
     Image<vec3> normal;         ///< shading normal, world space, on the camera's side
@@ -37,7 +39,7 @@ struct Frame {
     int height() const { return primitive.height; }
 };
 
-/// How much of a pixel is covered: 1 where a surface or a sky that shows is seen, else 0.
+/// How much of a pixel is covered: the share that sees a surface or a sky that shows.
 Image<float> alpha(const Frame& frame);
 
 /// What the camera sees: direct + indirect + emission; a layer the frame lacks counts as black.

@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -86,8 +87,13 @@ void writePng(const std::string& path, const Image<vec3>& image, std::optional<f
 
 void writePng(const std::string& path, const Frame& frame, std::optional<float> exposure,
               ToneCurve curve) {
-    const Image<Rgb8> image = displayImage(beauty(frame), exposure, curve);
     const Image<float> opaque = alpha(frame);
+    Image<vec3> seen = beauty(frame);
+    // PNG wants the colour of what covers a pixel, whatever its share.
+    for (size_t i = 0; i < seen.pixels.size(); ++i) {
+        seen.pixels[i] /= opaque.pixels[i] > 0.0f ? opaque.pixels[i] : 1.0f;
+    }
+    const Image<Rgb8> image = displayImage(seen, exposure, curve);
     if (std::all_of(opaque.pixels.begin(), opaque.pixels.end(),
                     [](float a) { return a == 1.0f; })) {
         writePng(path, image);
@@ -97,7 +103,7 @@ void writePng(const std::string& path, const Frame& frame, std::optional<float> 
     pixels.reserve(4 * image.pixels.size());
     for (size_t i = 0; i < image.pixels.size(); ++i) {
         const Rgb8& c = image.pixels[i];
-        const uint8_t a = opaque.pixels[i] > 0.0f ? 255 : 0;
+        const auto a = static_cast<uint8_t>(std::lround(255.0f * opaque.pixels[i]));
         pixels.insert(pixels.end(), {c.r, c.g, c.b, a});
     }
     writeBytes(path, encode(image.width, image.height, PNG_FORMAT_RGBA, pixels.data(), {}));

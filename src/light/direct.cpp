@@ -20,7 +20,8 @@ Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
 
 }  // namespace
 
-Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer) {
+Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer,
+                        float share) {
     constexpr int kPacket = Tracer::kPacket;
     const Scene& scene = tracer.scene();
     const PixelGrid& image = gbuffer.image;
@@ -63,7 +64,8 @@ Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GB
         }
         return LitPoint{.side = gbuffer.sideAt(scene, i), .surface = scattererAt(gbuffer, i)};
     };
-    const Image<vec3> of_lamps = lampLight(tracer, lamps, image.width, image.height, pointAt);
+    const Image<vec3> of_lamps =
+        lampLight(tracer, lamps, image.width, image.height, share, pointAt);
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
         direct.pixels[i] += of_lamps.pixels[i];
     }

@@ -201,6 +201,7 @@ bool doubtful(const Sum& sum) {
 }  // namespace
 
 Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width, int height,
+                      float share,
                       const std::function<std::optional<LitPoint>(int x, int y)>& pointAt) {
     Image<Sum> sums(width, height);
     const auto addTo = [&](int x, int y, int first, int count) {
@@ -218,7 +219,12 @@ Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width,
     };
     Image<uint8_t> wanted(width, height, 1);
     int first = 0;
-    for (const int count : kSamples) {
+    for (const int samples : kSamples) {
+        const int packets = static_cast<int>(share * static_cast<float>(samples / kPacket));
+        const int count = kPacket * (first == 0 ? std::max(packets, 1) : packets);
+        if (count == 0) {
+            continue;
+        }
         forEach([&](int x, int y) {
             if (wanted.at(x, y) != 0) {
                 addTo(x, y, first, count);

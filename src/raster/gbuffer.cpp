@@ -65,18 +65,22 @@ Bounds grown(const Bounds& box, float share) {
     return {.lower = box.lower - step, .upper = box.upper + step};
 }
 
-}  // namespace
-
-GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height, int veil) {
+// What rays see of a veil through place(x, y) of an image of that size, in pixels from the first
+// one's middle.
+template <class Place>
+GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& image,
+               const ivec2& size, int veil, const Place& place) {
     const Scene& scene = tracer.scene();
+    const int width = image.width;
+    const int height = image.height;
     GBuffer result;
-    result.image = pixelGrid(camera, width, height);
-    for (Image<vec3>* image :
+    result.image = image;
+    for (Image<vec3>* layer :
          {&result.position, &result.normal, &result.diffuse, &result.f0, &result.direct}) {
-        *image = Image<vec3>(width, height);
+        *layer = Image<vec3>(width, height);
     }
-    for (Image<float>* image : {&result.depth, &result.f90, &result.roughness}) {
-        *image = Image<float>(width, height);
+    for (Image<float>* layer : {&result.depth, &result.f90, &result.roughness}) {
+        *layer = Image<float>(width, height);
     }
     if (std::any_of(scene.materials.begin(), scene.materials.end(),
                     [](const Material& m) { return m.emits(); }) ||
@@ -95,20 +99,16 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
     parallelFor(height, [&](int y) {
         int& most = veils[static_cast<size_t>(y)];
         for (int x = 0; x < width; ++x) {
-            const CameraRay ray =
-                cameraRay(camera, width, height, static_cast<float>(x), static_cast<float>(y));
+            const vec2 at = place(x, y);
+            const CameraRay ray = cameraRay(camera, size.x, size.y, at.x, at.y);
             const Sight sight = tracer.seeAlone(ray.origin, ray.direction);
             most = std::max(most, sight.veil_count);
-            const Sight::Part part = veil == 0 ? sight.ground
-                                     : veil <= sight.veil_count
-                                         ? sight.veils[static_cast<size_t>(veil - 1)]
-                                         : Sight::Part{};
+            const Sight::Part part = sight.part(veil);
             if (!result.share.empty()) {
                 result.share.at(x, y) = part.share;
             }
             if (part.hit.found()) {
-                writePixel(scene, part.hit, ray.direction, static_cast<size_t>(y * width + x),
-                           result);
+                writePixel(scene, part.hit, ray.direction, image.index(x, y), result);
             } else if (veil == 0 && scene.environment.shows()) {
                 result.emission.at(x, y) = scene.environment.radiance(ray.direction);
             }
@@ -116,6 +116,23 @@ GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int
     });
     result.veils = height > 0 ? *std::max_element(veils.begin(), veils.end()) : 0;
     return result;
+}
+
+}  // namespace
+
+GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height, int veil) {
+    return render(tracer, camera, pixelGrid(camera, width, height), {width, height}, veil,
+                  [](int x, int y) { return vec2(x, y); });
+}
+
+GBuffer renderSamples(const Tracer& tracer, const Camera& camera, const ivec2& size,
+                      std::span<const vec2> places, int columns, int veil) {
+    SHEEN_CHECK_EQ(places.size() % static_cast<size_t>(columns), 0u);
+    PixelGrid packed = pixelGrid(camera, size.x, size.y);
+    packed.width = columns;
+    packed.height = static_cast<int>(places.size()) / columns;
+    return render(tracer, camera, packed, size, veil,
+                  [&](int x, int y) { return places[packed.index(x, y)] - 0.5f; });
 }
 
 std::vector<Bounds> nearBoxes(const Scene& scene, const GBuffer& gbuffer) {

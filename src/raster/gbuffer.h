@@ -3,6 +3,8 @@
 // of a thousand.
 #pragma once
 
+#include <span>
+
 #include "gl/worker_pool.h"
 #include "image/image.h"
 #include "raster/gpu_scene.h"
@@ -37,6 +39,7 @@ struct GBuffer {
     const vec3& mappedNormalAt(size_t i) const {
         return (mapped_normal.empty() ? normal : mapped_normal).pixels[i];
     }
+    float shareAt(size_t i) const { return share.empty() ? 1.0f : share.pixels[i]; }
     bool seen(size_t i) const { return depth.pixels[i] > 0.0f; }
     /// Where rays leave what pixel i sees, on the camera's side.
     SurfaceSide sideAt(const Scene& scene, size_t i) const {
@@ -48,6 +51,12 @@ struct GBuffer {
 /// not 0, the so manieth of these. Direct light is black.
 GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height,
                       int veil = 0);
+
+/// The same of any places of the image, in pixels, (0.5, 0.5) the first one's middle: packed row by
+/// row, `columns` to a row, whose number theirs is a multiple of. `image` of the result has the
+/// camera's view and pixel angle, but these rows and columns for a size.
+GBuffer renderSamples(const Tracer& tracer, const Camera& camera, const ivec2& size,
+                      std::span<const vec2> places, int columns, int veil = 0);
 
 /// Boxes of surfaces, each within the next, from what the camera sees nearest to it on to all but
 /// the scene's bounds: none where these are hardly larger, as where a room is the scene.

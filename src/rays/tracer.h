@@ -64,6 +64,13 @@ struct Sight {
     std::array<Part, kMostVeils> veils;
     int veil_count = 0;
     Part ground{.hit = {}, .share = 1.0f};
+
+    /// The ground for 0, else the veil of that number; nothing where there are not so many.
+    Part part(int veil) const {
+        return veil == 0            ? ground
+               : veil <= veil_count ? veils[static_cast<size_t>(veil - 1)]
+                                    : Part{};
+    }
 };
 
 /// Traces rays in a scene, which must outlive it. Safe to use from many threads.

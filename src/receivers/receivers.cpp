@@ -7,9 +7,14 @@
 
 namespace sheen {
 
+vec3 specularAlbedo(float NoV, float roughness, const vec3& f0, float f90) {
+    const vec2 ab = brdfAlbedo(NoV, roughness);
+    return f0 * ab.x + vec3(f90 * ab.y);
+}
+
 vec3 Receivers::specularAlbedo(size_t i) const {
-    const vec2 ab = brdfAlbedo(glm::dot(normals[i], towardViewer(i)), roughness[i]);
-    return f0[i] * ab.x + vec3(f90[i] * ab.y);
+    return sheen::specularAlbedo(glm::dot(normals[i], towardViewer(i)), roughness[i], f0[i],
+                                 f90[i]);
 }
 
 Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool irradiance_only) {

@@ -67,7 +67,7 @@ struct Receivers {
     SurfaceSide sideAt(const Scene& scene, size_t i) const {
         return sideToward(scene, triangles[i], positions[i], image.view.origin);
     }
-    /// What the specular lobe reflects of constant light.
+    /// What its specular lobe reflects of constant light.
     vec3 specularAlbedo(size_t i) const;
 
     /// Whether rays correct what records say of it.
@@ -83,6 +83,9 @@ struct Receivers {
                            [](uint8_t by_ray) { return by_ray != 0; });
     }
 };
+
+/// What a specular lobe reflects of constant light, seen at that cosine.
+vec3 specularAlbedo(float NoV, float roughness, const vec3& f0, float f90);
 
 /// Those of a G-buffer, whose arrays become theirs, each classified (classes.h), with its lobe;
 /// `irradiance_only`: all as diffuse. None goes by rays where a given `sh_order` asks for its

@@ -179,39 +179,58 @@ Frame emptyFrame(int width, int height) {
     return frame;
 }
 
-std::optional<Surface> seePart(const RayScene& rays, const Camera& camera, const CameraRay& ray,
-                               const Seen& part, int x, int y, Frame& frame, Counters& counters) {
-    if (!part.hit.found()) {
-        const Environment& sky = rays.scene().environment;
-        frame.emission.at(x, y) +=
-            sky.shows() ? part.share * sky.radiance(ray.direction) : vec3(0.0f);
-        return std::nullopt;
+std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ivec2& size,
+                           const vec2& place, Counters& counters) {
+    const CameraRay ray = cameraRay(camera, size.x, size.y, place.x, place.y);
+    const Environment& sky = rays.scene().environment;
+    ++counters.rays;
+    std::vector<Sighting> parts;
+    for (const Seen& seen : rays.see(ray.origin, ray.direction)) {
+        Sighting part{.share = seen.share};
+        if (seen.hit.found()) {
+            part.surface = rays.surfaceAt(seen.hit, -ray.direction);
+            part.triangle = seen.hit.triangle;
+            part.emission = part.surface->emission;
+        } else if (sky.shows()) {
+            part.emission = sky.radiance(ray.direction);
+        }
+        parts.push_back(part);
     }
-    const Surface p = rays.surfaceAt(part.hit, -ray.direction);
+    return parts;
+}
+
+void show(const RayScene& rays, const Camera& camera, const Sighting& part, int x, int y,
+          Frame& frame, Counters& counters) {
+    frame.emission.at(x, y) += part.share * part.emission;
+    if (!part.surface) {
+        return;
+    }
+    const Surface& p = *part.surface;
+    const vec3 origin = cameraRay(camera, frame.width(), frame.height(), static_cast<float>(x),
+                                  static_cast<float>(y))
+                            .origin;
     const vec3 forward = -vec3(camera.world_from_camera[2]);
-    frame.primitive.at(x, y) = part.hit.triangle;
-    frame.depth.at(x, y) = glm::dot(p.position - ray.origin, forward);
+    frame.primitive.at(x, y) = part.triangle;
+    frame.depth.at(x, y) = glm::dot(p.position - origin, forward);
     frame.position.at(x, y) = p.position;
     frame.normal.at(x, y) = p.n;
     frame.albedo.at(x, y) = p.brdf.diffuse;
     frame.roughness.at(x, y) = p.roughness;
-    frame.emission.at(x, y) += part.share * p.emission;
     const vec3 direct = part.share * directRadiance(rays, p, counters);
     if (finite(direct)) {
         frame.direct.at(x, y) += direct;
     } else {
         ++counters.nonfinite;
     }
-    return p;
 }
 
 std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
                                 Frame& frame, Counters& counters) {
-    const CameraRay ray = cameraRay(camera, frame.width(), frame.height(), static_cast<float>(x),
-                                    static_cast<float>(y));
-    ++counters.rays;
-    const Seen nearest{.hit = rays.see(ray.origin, ray.direction).front().hit};
-    return seePart(rays, camera, ray, nearest, x, y, frame, counters);
+    const ivec2 size(frame.width(), frame.height());
+    Sighting nearest = look(rays, camera, size, vec2(x, y), counters).front();
+    nearest.share = 1.0f;
+    show(rays, camera, nearest, x, y, frame, counters);
+    return nearest.surface;
 }
 
 }  // namespace sheen

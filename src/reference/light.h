@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "reference/lights.h"
 #include "reference/sampling.h"
@@ -69,13 +70,25 @@ RayHit nextHit(const RayScene& rays, const Surface& s, const vec3& wi, Counters&
 /// A frame that sees nothing: black layers of light and of the G-buffer, no variances.
 Frame emptyFrame(int width, int height);
 
-/// What a camera's ray, of pixel (x, y), sees in front or behind: the surface there, if there is
-/// one. Adds its share of direct light by punctual lights and of emission (where there is no
-/// surface, of the sky if that is to show) to `frame`, and sets the pixel's G-buffer there.
-std::optional<Surface> seePart(const RayScene& rays, const Camera& camera, const CameraRay& ray,
-                               const Seen& part, int x, int y, Frame& frame, Counters& counters);
+/// A part of what a camera's ray sees.
+struct Sighting {
+    float share = 1.0f;  ///< of the light that reaches the eye
+    std::optional<Surface> surface = {};
+    uint32_t triangle = kNoPrimitive;
+    vec3 emission{0.0f};  ///< nits: where there is no surface, of the sky if that is to show
+};
+/// All parts, from the eye on, of a ray through a place of an image of that size, in pixels from
+/// the first one's centre. The last may be without a surface.
+std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ivec2& size,
+                           const vec2& place, Counters& counters);
 
-/// The nearest surface at the centre of pixel (x, y), taken as one through which nothing is seen.
+/// Adds a part of what pixel (x, y) sees to `frame`: its share of emission and of direct light by
+/// punctual lights; and sets the pixel's G-buffer where there is a surface.
+void show(const RayScene& rays, const Camera& camera, const Sighting& part, int x, int y,
+          Frame& frame, Counters& counters);
+
+/// The nearest surface at the centre of pixel (x, y), if there is one, taken as one through which
+/// nothing is seen; shown in `frame`.
 std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
                                 Frame& frame, Counters& counters);
 

@@ -30,12 +30,17 @@ constexpr uint32_t kLampSeed = 0x6c616d70u;
 constexpr uint32_t kSkySeed = 0x736b7900u;
 constexpr uint32_t kDirectSeed = 0x64697265u;
 
-// Where a pixel's paths start: the point they leave and how they leave it.
+// Of the places in a pixel that paths see, where they see all of it.
+constexpr uint32_t kPlaceSeed = 0x706c6163u;
+constexpr uint32_t kPartSeed = 0x70617274u;
+
+// Where a path starts: the point it leaves and how it leaves it.
 struct Start {
-    const Surface& p;
-    float share;  // of the pixel's light
+    Surface p;
     BrdfSampler sampler;
-    Guide guide;
+
+    explicit Start(const Surface& surface)
+        : p(surface), sampler(surface.brdf, surface.specular_albedo, surface.n, surface.wo) {}
 };
 
 struct Context {
@@ -44,6 +49,72 @@ struct Context {
     const ReferenceParams& params;
     int samples_per_replicate;
     int guide_size;  // cells along a side; 0: no guide
+};
+
+// What a path of a pixel starts from.
+struct PathStart {
+    std::optional<Start> start;  // none where no surface is seen
+    // Of all that is seen there.
+    vec3 emission{0.0f};
+    float coverage = 0.0f;
+};
+
+// Where a pixel's paths start: all on one of the surfaces that its middle sees, or each at a place
+// of its own in the pixel's area, on one of those that are seen there.
+class Pixel {
+  public:
+    Pixel(const Context& context, int x, int y)
+        : context_(context),
+          x_(x),
+          y_(y),
+          seed_(hashCombine(hashCombine(hash32(context_.params.seed), static_cast<uint32_t>(x_)),
+                            static_cast<uint32_t>(y_))) {}
+
+    // On a surface that the middle sees, other paths than before: what they bring counts by its
+    // share.
+    void startFrom(const Surface& surface, float share) {
+        if (on_.start) {
+            seed_ = hash32(seed_);
+        }
+        on_.start.emplace(surface);
+        share_ = share;
+    }
+
+    int x() const { return x_; }
+    int y() const { return y_; }
+    uint32_t seed() const { return seed_; }
+    float share() const { return share_; }
+    PathStart start(uint32_t index, uint32_t seed, Counters& counters) const {
+        const ReferenceParams& params = context_.params;
+        if (!params.pixel_area) {
+            return on_;
+        }
+        const vec2 place = owenSobol(index, hashCombine(seed, kPlaceSeed)) - 0.5f;
+        float u = owenSobol(index, hashCombine(seed, kPartSeed)).x;
+        PathStart from;
+        // One of the surfaces, by its share of the light.
+        for (const Sighting& part :
+             look(context_.rays, params.camera, {params.width, params.height}, vec2(x_, y_) + place,
+                  counters)) {
+            from.emission += part.share * part.emission;
+            if (!part.surface) {
+                break;
+            }
+            from.coverage = 1.0f;
+            if (u >= 0.0f && u < part.share) {
+                from.start.emplace(*part.surface);
+            }
+            u -= part.share;
+        }
+        return from;
+    }
+
+  private:
+    const Context& context_;
+    int x_, y_;
+    uint32_t seed_;
+    float share_ = 1.0f;
+    PathStart on_;
 };
 
 // What lights of all kinds send from a path's vertex, but for the half of lamps and sky that the
@@ -114,10 +185,10 @@ vec3 followPath(const Context& context, const Surface& start, const DirectionSam
 }
 
 // One sample of the indirect light that arrives in directions chosen by the BRDF.
-Scattered samplePath(const Context& context, const Start& start, uint32_t index, uint32_t seed,
-                     Counters& counters) {
+Scattered samplePath(const Context& context, const Start& start, const Guide& guide, uint32_t index,
+                     uint32_t seed, Counters& counters) {
     const Surface& p = start.p;
-    const GuidedPoint guided = start.guide.warp(owenSobol(index, seed));
+    const GuidedPoint guided = guide.warp(owenSobol(index, seed));
     const DirectionSample first = sampleBrdf(start.sampler, p.brdf, p.n, p.wo, guided.u);
     if (context.params.bounces == 0 || black(first.weight)) {
         return {};
@@ -175,21 +246,27 @@ Guide learnGuide(int size, uint32_t seed, const Sample& sample) {
     return Guide(size, contributions);
 }
 
-void estimateIndirect(const Context& context, Start& start, uint32_t pixel_seed, int x, int y,
-                      Frame& frame, Counters& counters) {
+void estimateIndirect(const Context& context, const Pixel& pixel, Frame& frame,
+                      Counters& counters) {
     const ReferenceParams& params = context.params;
-    const uint32_t guide_seed = hashCombine(pixel_seed, kGuideSeed);
-    start.guide = learnGuide(context.guide_size, guide_seed, [&](uint32_t i, const vec2&) {
-        return samplePath(context, start, i, guide_seed, counters).all;
+    const uint32_t guide_seed = hashCombine(pixel.seed(), kGuideSeed);
+    const Guide guide = learnGuide(context.guide_size, guide_seed, [&](uint32_t i, const vec2&) {
+        const PathStart from = pixel.start(i, guide_seed, counters);
+        return from.start ? samplePath(context, *from.start, {}, i, guide_seed, counters).all
+                          : vec3(0.0f);
     });
     Replicates all, diffuse;
     for (int replicate = 0; replicate < params.replicates; ++replicate) {
-        const uint32_t seed = hashCombine(pixel_seed, static_cast<uint32_t>(replicate));
+        const uint32_t seed = hashCombine(pixel.seed(), static_cast<uint32_t>(replicate));
         dvec3 all_sum(0.0), diffuse_sum(0.0);
         for (int i = 0; i < context.samples_per_replicate; ++i) {
             const auto index = static_cast<uint32_t>(i);
-            Scattered sample = samplePath(context, start, index, seed, counters);
-            sample.add(sampleSkyFromStart(context, start, index, seed, counters));
+            const PathStart from = pixel.start(index, seed, counters);
+            if (!from.start) {
+                continue;
+            }
+            Scattered sample = samplePath(context, *from.start, guide, index, seed, counters);
+            sample.add(sampleSkyFromStart(context, *from.start, index, seed, counters));
             if (!finite(sample.all) || !finite(sample.diffuse)) {
                 ++counters.nonfinite;
                 continue;
@@ -201,77 +278,113 @@ void estimateIndirect(const Context& context, Start& start, uint32_t pixel_seed,
         all.add(all_sum / samples);
         diffuse.add(diffuse_sum / samples);
     }
-    const float share2 = start.share * start.share;
-    frame.indirect.at(x, y) += start.share * vec3(all.mean);
-    frame.indirect_variance.at(x, y) += share2 * all.varianceOfMean();
-    frame.indirect_diffuse.at(x, y) += start.share * vec3(diffuse.mean);
-    frame.indirect_diffuse_variance.at(x, y) += share2 * diffuse.varianceOfMean();
+    const float share = pixel.share();
+    frame.indirect.at(pixel.x(), pixel.y()) += share * vec3(all.mean);
+    frame.indirect_variance.at(pixel.x(), pixel.y()) += share * share * all.varianceOfMean();
+    frame.indirect_diffuse.at(pixel.x(), pixel.y()) += share * vec3(diffuse.mean);
+    frame.indirect_diffuse_variance.at(pixel.x(), pixel.y()) +=
+        share * share * diffuse.varianceOfMean();
 }
 
 // A guide of where on the lamps the light of a pixel comes from: not from their backs, nor from
 // those that are far off or hidden.
-Guide learnLamps(const Context& context, const Start& start, uint32_t seed, Counters& counters) {
-    return learnGuide(context.guide_size, seed, [&](uint32_t, const vec2& u) {
-        const LightChoice lamp = context.lights.lamps.choose(start.p.rayOrigin(), u);
-        return scatterChosen(context.rays, start.p, start.sampler, lamp, counters).all;
+Guide learnLamps(const Context& context, const Pixel& pixel, uint32_t seed, Counters& counters) {
+    if (context.lights.lamps.empty()) {
+        return {};
+    }
+    return learnGuide(context.guide_size, seed, [&](uint32_t i, const vec2& u) {
+        const std::optional<Start> start = pixel.start(i, seed, counters).start;
+        if (!start) {
+            return vec3(0.0f);
+        }
+        const LightChoice lamp = context.lights.lamps.choose(start->p.rayOrigin(), u);
+        return scatterChosen(context.rays, start->p, start->sampler, lamp, counters).all;
     });
 }
 
-// Adds the lamps' light to that of punctual lights, which has no variance.
-void estimateLamps(const Context& context, const Start& start, uint32_t pixel_seed, int x, int y,
-                   Frame& frame, Counters& counters) {
-    const uint32_t direct_seed = hashCombine(pixel_seed, kDirectSeed);
-    const Guide guide = learnLamps(context, start, hashCombine(direct_seed, kGuideSeed), counters);
-    Replicates lamps;
+// One sample of the light that lamps send to a path's start, and of punctual lights' where that is
+// not known.
+vec3 sampleDirect(const Context& context, const Start& start, const Guide& guide, uint32_t index,
+                  uint32_t seed, Counters& counters) {
+    const Lamps& lamps = context.lights.lamps;
+    vec3 sample(0.0f);
+    if (context.params.pixel_area) {
+        sample += directRadiance(context.rays, start.p, counters);
+    }
+    if (!lamps.empty()) {
+        const GuidedPoint guided = guide.warp(owenSobol(index, hashCombine(seed, kLampSeed)));
+        const LightChoice lamp = lamps.choose(start.p.rayOrigin(), guided.u);
+        sample += guided.weight *
+                      scatterChosen(context.rays, start.p, start.sampler, lamp, counters).all +
+                  lampsByBrdf(context.rays, context.lights, start.p, start.sampler,
+                              owenSobol(index, seed), counters);
+    }
+    return sample;
+}
+
+// Adds the lamps' light to that of punctual lights, which at a pixel's middle has no variance; of
+// its area, adds both, and what is emitted there and how much of it is covered.
+void estimateDirect(const Context& context, const Pixel& pixel, Frame& frame, Counters& counters) {
+    const uint32_t direct_seed = hashCombine(pixel.seed(), kDirectSeed);
+    const Guide guide = learnLamps(context, pixel, hashCombine(direct_seed, kGuideSeed), counters);
+    Replicates direct;
+    dvec3 emission(0.0);
+    double covered = 0.0;
     for (int replicate = 0; replicate < context.params.replicates; ++replicate) {
         const uint32_t seed = hashCombine(direct_seed, static_cast<uint32_t>(replicate));
         dvec3 sum(0.0);
         for (int i = 0; i < context.samples_per_replicate; ++i) {
             const auto index = static_cast<uint32_t>(i);
-            const GuidedPoint guided = guide.warp(owenSobol(index, hashCombine(seed, kLampSeed)));
-            const LightChoice lamp = context.lights.lamps.choose(start.p.rayOrigin(), guided.u);
-            const vec3 sample =
-                guided.weight *
-                    scatterChosen(context.rays, start.p, start.sampler, lamp, counters).all +
-                lampsByBrdf(context.rays, context.lights, start.p, start.sampler,
-                            owenSobol(index, seed), counters);
+            const PathStart from = pixel.start(index, seed, counters);
+            emission += dvec3(from.emission);
+            covered += from.coverage;
+            if (!from.start) {
+                continue;
+            }
+            const vec3 sample = sampleDirect(context, *from.start, guide, index, seed, counters);
             if (finite(sample)) {
                 sum += dvec3(sample);
             } else {
                 ++counters.nonfinite;
             }
         }
-        lamps.add(sum / static_cast<double>(context.samples_per_replicate));
+        direct.add(sum / static_cast<double>(context.samples_per_replicate));
     }
-    frame.direct.at(x, y) += start.share * vec3(lamps.mean);
-    frame.direct_variance.at(x, y) += start.share * start.share * lamps.varianceOfMean();
+    const float share = pixel.share();
+    frame.direct.at(pixel.x(), pixel.y()) += share * vec3(direct.mean);
+    frame.direct_variance.at(pixel.x(), pixel.y()) += share * share * direct.varianceOfMean();
+    if (context.params.pixel_area) {
+        const double all = context.samples_per_replicate * context.params.replicates;
+        frame.emission.at(pixel.x(), pixel.y()) = vec3(emission / all);
+        frame.coverage.at(pixel.x(), pixel.y()) = static_cast<float>(covered / all);
+    }
 }
 
 void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
                  Counters& counters) {
-    const Camera& camera = context.params.camera;
-    const CameraRay ray = cameraRay(camera, context.params.width, context.params.height,
-                                    static_cast<float>(x), static_cast<float>(y));
-    ++counters.rays;
-    uint32_t pixel_seed =
-        hashCombine(hashCombine(hash32(context.params.seed), static_cast<uint32_t>(x)),
-                    static_cast<uint32_t>(y));
-    for (const Seen& part : context.rays.see(ray.origin, ray.direction)) {
-        const std::optional<Surface> p =
-            seePart(context.rays, camera, ray, part, x, y, result.frame, counters);
-        if (!p) {
+    const ReferenceParams& params = context.params;
+    Pixel pixel(context, x, y);
+    const auto estimate = [&] {
+        if (!context.lights.lamps.empty() || params.pixel_area) {
+            estimateDirect(context, pixel, result.frame, counters);
+        }
+        estimateIndirect(context, pixel, result.frame, counters);
+    };
+    for (const Sighting& part :
+         look(context.rays, params.camera, {params.width, params.height}, vec2(x, y), counters)) {
+        show(context.rays, params.camera, part, x, y, result.frame, counters);
+        if (!part.surface) {
             break;
         }
-        result.specular_albedo.at(x, y) = p->specular_albedo;
-        Start start{.p = *p,
-                    .share = part.share,
-                    .sampler = {p->brdf, p->specular_albedo, p->n, p->wo},
-                    .guide = {}};
-        if (!context.lights.lamps.empty()) {
-            estimateLamps(context, start, pixel_seed, x, y, result.frame, counters);
+        result.specular_albedo.at(x, y) = part.surface->specular_albedo;
+        if (!params.pixel_area) {
+            pixel.startFrom(*part.surface, part.share);
+            estimate();
         }
-        estimateIndirect(context, start, pixel_seed, x, y, result.frame, counters);
-        pixel_seed = hash32(pixel_seed);
+    }
+    if (params.pixel_area) {
+        result.frame.direct.at(x, y) = vec3(0.0f);
+        estimate();
     }
 }
 
@@ -320,6 +433,9 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
          {&result.frame.indirect_variance, &result.frame.indirect_diffuse_variance,
           &result.frame.direct_variance, &result.specular_albedo}) {
         *layer = Image<vec3>(params.width, params.height, vec3(0.0f));
+    }
+    if (params.pixel_area) {
+        result.frame.coverage = Image<float>(params.width, params.height);
     }
     std::atomic<int64_t> ray_count{0};
     std::atomic<int64_t> nonfinite{0};

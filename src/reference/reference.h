@@ -1,7 +1,7 @@
 // The independent judge: a path tracer that computes what the cache approximates, with the variance
 // of its own answer. It shares only the scene and the BRDF with the rest.
 //
-// At the point p of each pixel's centre
+// At the point p of each pixel's centre, or on average over the points that its area sees,
 //   direct(p)   = sum over punctual lights of f cos * irradiance * visibility
 //                 + integral over lamps of f cos Le,
 //   indirect(p) = integral over the hemisphere of the shading normal of f cos [direct(q) + sky(q)],
@@ -31,13 +31,17 @@ struct ReferenceParams {
     /// guide where light comes from (256; from 1024 on 1024; from 4096 on 4096).
     int spp = 256;
     int replicates = 16;  ///< independent estimates the variance is taken from, at least 2
+    /// Light is that of the pixel's whole area, by paths from everywhere in it, instead of its
+    /// middle's; the G-buffer stays that of the middle.
+    bool pixel_area = false;
     uint32_t seed = 0;
     bool quiet = false;  ///< no progress
 };
 
 struct ReferenceResult {
     /// All layers but the cache's. Variances are of the mean, [pixel], per channel, in nits^2;
-    /// that of `direct` is of lamps alone: punctual lights are not sampled.
+    /// that of `direct` is of lamps alone, unless a pixel's area is: punctual lights are not
+    /// sampled.
     Frame frame;
     Image<vec3> specular_albedo;    ///< of the specular lobe toward the camera
     double mrays_per_second = 0.0;  ///< camera, gather and shadow rays, in millions

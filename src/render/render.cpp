@@ -47,6 +47,7 @@ RenderResult renderByPaths(const Scene& scene, const RenderParams& params) {
                                                      .bounces = params.bounces,
                                                      .spp = params.spp,
                                                      .replicates = replicatesFor(params.spp),
+                                                     .pixel_area = params.aa > 1,
                                                      .seed = params.seed,
                                                      .quiet = params.quiet});
     RenderResult result;
@@ -170,6 +171,29 @@ Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& 
     }
 }
 
+// What records say of the strays of edges, and records of their own of those that none serves.
+SplatBuffer splatStrays(SceneState& state, const Receivers& strays, const RecordCache& cache,
+                        const PlacementParams& how, const HemisphereParams& hemisphere,
+                        RenderStats& stats) {
+    SplatBuffer splat = splatCpu(strays, cache, how.servingWeight());
+    std::vector<size_t> missed;
+    for (size_t i = 0; i < splat.irradiance.pixels.size(); ++i) {
+        if (strays.seen(i) && splat.irradiance.pixels[i].w <= shared::MIN_WEIGHT_SUM) {
+            missed.push_back(i);
+        }
+    }
+    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, hemisphere);
+    const RecordCache own = recordsAt(state.scene, strays, missed, how, *gatherer);
+    const SplatBuffer by_own = splatCpu(strays, own, how.servingWeight());
+    for (const size_t i : missed) {
+        splat.irradiance.pixels[i] = by_own.irradiance.pixels[i];
+        splat.specular.pixels[i] = by_own.specular.pixels[i];
+        splat.missed.pixels[i] = by_own.missed.pixels[i];
+    }
+    stats.edge_records = static_cast<int>(missed.size());
+    return splat;
+}
+
 // placement, which gathers and projects -> splat -> compose. A pass that is given up has changed
 // nothing of `result` but times.
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
@@ -211,11 +235,25 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     }
     const ComposeCounts counts =
         compose(view.receivers, splat, specular, params.all_layers, result.frame);
-    splat = {};
-    specular = {};
+    if (!view.edges) {
+        splat = {};
+        specular = {};
+    }
     const ErrorEstimate estimate = judge(
         state, params, view, placement.cache, how.servingWeight(), hemisphere,
         view.receivers.irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
+    if (view.edges) {
+        const Receivers& strays = view.edges->strays;
+        const SplatBuffer stray_splat =
+            splatStrays(state, strays, placement.cache, how, hemisphere, stats);
+        Image<vec3> stray_specular;
+        if (!view.stray_specular.pixels.empty()) {
+            stray_specular = reflectSpecular(strays, view.stray_specular,
+                                             cachedSpecular(strays, stray_splat), false);
+        }
+        blendEdges(*view.edges, {view.receivers, splat, specular},
+                   {strays, stray_splat, stray_specular}, result.frame);
+    }
     if (params.all_layers) {
         result.frame.records = countRecords(view.receivers, placement.cache, how.servingWeight());
     }
@@ -338,6 +376,7 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     stats.corrected_share = counts.corrected / seen;
     stats.too_glossy_share = counts.too_glossy / seen;
     stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
+    stats.pixels_edges = view.edges ? static_cast<int>(view.edges->pixels.size()) : 0;
     return result;
 }
 
@@ -345,8 +384,9 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
 uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t pixels) {
     constexpr uint64_t kByPaths = 230;
     constexpr uint64_t kByRecords = 230;
-    constexpr uint64_t kDrawn = 100;   // what OpenGL holds of pixels that are splatted together
-    constexpr uint64_t kByRays = 320;  // what rays saw and how it is filtered
+    constexpr uint64_t kDrawn = 100;    // what OpenGL holds of pixels that are splatted together
+    constexpr uint64_t kByRays = 320;   // what rays saw and how it is filtered
+    constexpr uint64_t kOfEdges = 300;  // where half of the pixels have some, and strays
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
     if (params.method != Method::kRadiance && params.method != Method::kIrradiance) {
         return kByPaths * pixels;
@@ -361,7 +401,8 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
             order = std::max(order, materialOrder(scene, scene.materials[i], params.sh_order));
         }
     }
-    const uint64_t each = kByRecords + (order > shared::DIFFUSE_ORDER ? kByRays : 0) +
+    const uint64_t each = kByRecords + (params.aa > 1 ? kOfEdges : 0) +
+                          (order > shared::DIFFUSE_ORDER ? kByRays : 0) +
                           kPerCoefficient * static_cast<uint64_t>(order * order);
     return each * pixels + kDrawn * std::min<uint64_t>(pixels, kBandPixels);
 }
@@ -380,6 +421,20 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
 }
 
 }  // namespace
+
+bool smoothsEdges(Method method, GatherRoad road) {
+    switch (method) {
+        case Method::kReference:
+            return true;
+        case Method::kRadiance:
+        case Method::kIrradiance:
+            return road == GatherRoad::kRays;
+        case Method::kOctree:
+        case Method::kDenoised:
+            return false;
+    }
+    throw std::logic_error("unknown method");
+}
 
 Session::Session(const Scene& scene) : scene_(scene) {}
 Session::~Session() = default;
@@ -404,13 +459,21 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
                 state_.reset();  // never two of them in memory
                 state_ = std::make_unique<SceneState>(scene_, params.gather_road, seconds);
             }
-            return renderByCache(*state_, seconds, params, timer);
+            RenderParams smoothed = params;
+            smoothed.specular.pixel_area = params.aa > 1;
+            return renderByCache(*state_, seconds, smoothed, timer);
         }
     }
     throw std::logic_error("unknown method");
 }
 
 RenderResult Session::render(const RenderParams& params) {
+    if (params.aa > 1 && !smoothsEdges(params.method, params.gather_road)) {
+        throwUsage(
+            "--aa {}: only radiance and irradiance by rays, and reference, see more of a pixel "
+            "than its middle; use --aa 1",
+            params.aa);
+    }
     checkRenderMemory(scene_, params);
     RenderResult result = renderByMethod(params);
     result.frame.shows_sky = scene_.environment.shows();

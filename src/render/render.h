@@ -24,6 +24,10 @@ struct RenderParams {
     int width = 512;
     int height = 512;
     std::string camera;  ///< name or index; empty: the scene's first
+    /// Samples of a pixel with edges, a power of two. 1: each pixel shows its middle, as studies
+    /// measure it. More: radiance and irradiance by rays; the reference, whose every path then has
+    /// a place of its own in the pixel.
+    int aa = 1;
     // The cached methods; of these the octree heeds the accuracy and, as rings of rays,
     // gather.size.
     PlacementParams placement{.min_pixels = 0.0f};  ///< min_pixels 0: by the accuracy
@@ -79,6 +83,8 @@ struct RenderStats {
     double diffuse_share = 0;     ///< of pixels_geometry, classified as diffuse
     double corrected_share = 0;   ///< of pixels_geometry, whose records rays correct
     double too_glossy_share = 0;  ///< of pixels_geometry, whose specular light is by rays alone
+    int pixels_edges = 0;         ///< that were sampled more than once
+    int edge_records = 0;         ///< for what no pixel's middle sees, in the last pass
     std::vector<MaterialOrder> sh_order;
     std::string gl_renderer;      ///< empty where none was used
     double mrays_per_second = 0;  ///< path-traced methods only
@@ -89,6 +95,11 @@ struct RenderResult {
     Frame frame;
     RenderStats stats;
 };
+
+/// What the program takes for RenderParams::aa, unless told otherwise, where the method has it.
+constexpr int kSmoothEdges = 16;
+/// Whether the method heeds RenderParams::aa.
+bool smoothsEdges(Method method, GatherRoad road);
 
 /// No target error makes records finer than this.
 constexpr float kFinestAccuracy = 0.03f;

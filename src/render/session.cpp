@@ -70,8 +70,8 @@ SceneState::~SceneState() {
 // where records use rays, else from shadow maps.
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds,
                      int veil) {
+    const Camera& camera = findCamera(state.scene, params.camera);
     GBuffer gbuffer = timed(seconds.gbuffer, [&] {
-        const Camera camera = findCamera(state.scene, params.camera);
         return renderGBuffer(state.tracer, camera, params.width, params.height, veil);
     });
     share = std::move(gbuffer.share);
@@ -91,10 +91,25 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         return receiversOf(state.scene, std::move(gbuffer), params.sh_order,
                            params.method == Method::kIrradiance);
     });
+    if (params.aa > 1) {
+        const StageTimer timer(seconds.gbuffer);
+        edges = findEdges(state.tracer, state.lamps, camera, receivers, {veil, share},
+                          params.sh_order, params.aa);
+        for (const EdgePixel& edge : edges->pixels) {
+            if (!share.empty()) {
+                share.pixels[edge.pixel] = 1.0f;  // each sample had its own
+            }
+        }
+    }
     checkSplat(state.pool, receivers);
+    const StageTimer timer(seconds.gather);
     if (receivers.anyByRays()) {
-        const StageTimer timer(seconds.gather);
         specular = traceSpecular(*state.outgoing, receivers, params.specular);
+    }
+    if (edges && edges->strays.anyByRays()) {
+        SpecularParams alone = params.specular;
+        alone.pixel_area = false;
+        stray_specular = traceSpecular(*state.outgoing, edges->strays, alone);
     }
 }
 

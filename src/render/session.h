@@ -10,6 +10,7 @@
 #include "light/scattered_once.h"
 #include "raster/gpu_scene.h"
 #include "rays/tracer.h"
+#include "receivers/edges.h"
 #include "render/render.h"
 
 namespace sheen {
@@ -37,7 +38,9 @@ struct SceneState {
 /// and the records gathered so far.
 struct ViewState {
     Receivers receivers;
-    Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
+    Image<SpecularSeen> specular;        // by rays of the pixels' own; empty where none needs them
+    std::optional<Edges> edges;          // none where only the pixels' middles count
+    Image<SpecularSeen> stray_specular;  // likewise, of the edges' strays
     RecordField field;
     int gather_size = 0;  // that these were gathered with, or more
     Image<float> share;   // of each pixel's light; empty: all of it

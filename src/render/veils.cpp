@@ -92,6 +92,10 @@ void VeiledFrame::add(RenderResult veil, const Image<float>& share) {
             showInstead(veil.frame, i, frame);
         }
     }
+    for (size_t i = 0; i < frame.coverage.pixels.size(); ++i) {
+        frame.coverage.pixels[i] =
+            std::max(frame.coverage.pixels[i], veil.frame.coverage.pixels[i]);
+    }
     RenderStats& stats = whole_.stats;
     stats.seconds = veil.stats.seconds;
     stats.records += veil.stats.records;

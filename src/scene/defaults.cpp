@@ -34,6 +34,19 @@ mat4 pose(const mat3& axes, const vec3& eye) {
     return mat4(vec4(axes[0], 0.0f), vec4(axes[1], 0.0f), vec4(axes[2], 0.0f), vec4(eye, 1.0f));
 }
 
+// Toward the key light, from where `back` points along the ground.
+vec3 towardKey(const vec3& back) {
+    const vec3 left = glm::cross(back, kUp);
+    return glm::normalize(kUp + 0.6f * back + 0.4f * left);
+}
+
+// A soft box: broad, and fading toward its rim.
+struct SoftBox {
+    vec3 toward;
+    float radius;    // radians
+    float radiance;  // more than the sky's
+};
+
 }  // namespace
 
 Camera framingCamera(const Scene& scene) {
@@ -88,15 +101,44 @@ bool isDark(const Scene& scene) {
 }
 
 PunctualLight keyLight(const Camera& camera) {
-    const vec3 back = backAlongGround(camera);
-    const vec3 left = glm::cross(back, kUp);
     PunctualLight light{};
     light.kind = shared::LIGHT_DIRECTIONAL;
-    light.direction = -glm::normalize(kUp + 0.6f * back + 0.4f * left);
+    light.direction = -towardKey(backAlongGround(camera));
     light.intensity = vec3(kPi);
     light.spot_offset = 1.0f;
     light.cos_outer = -1.0f;
     return light;
+}
+
+Environment studioSky(const Camera& camera) {
+    // Radiances straight up, along the ground and straight down; how far down the floor begins.
+    constexpr float kAbove = 0.7f;
+    constexpr float kLevel = 0.4f;
+    constexpr float kBelow = 0.15f;
+    constexpr float kFloor = 0.25f;
+    constexpr vec3 kBack(0, 0, 1);  // the image's own axes: cameras look along -z
+    const SoftBox boxes[] = {{towardKey(kBack), 0.6f, 0.8f},
+                             {glm::normalize(vec3(1.0f, 0.5f, -0.4f)), 0.5f, 0.6f}};
+    Environment sky;
+    sky.texels = Image<vec3>(64, 32);
+    for (int y = 0; y < sky.texels.height; ++y) {
+        for (int x = 0; x < sky.texels.width; ++x) {
+            const vec2 size(sky.texels.width, sky.texels.height);
+            const vec3 direction = sky.directionFromImage((vec2(x, y) + 0.5f) / size);
+            const float ground = glm::smoothstep(0.0f, kFloor, -direction.y);
+            float radiance = direction.y > 0.0f ? glm::mix(kLevel, kAbove, direction.y)
+                                                : glm::mix(kLevel, kBelow, ground);
+            for (const SoftBox& box : boxes) {
+                const float angle =
+                    std::acos(std::clamp(glm::dot(direction, box.toward), -1.0f, 1.0f));
+                radiance += box.radiance * (1.0f - glm::smoothstep(0.6f, 1.0f, angle / box.radius));
+            }
+            sky.texels.at(x, y) = vec3(radiance);
+        }
+    }
+    const vec3 back = backAlongGround(camera);
+    sky.rotation = -std::atan2(-back.x, back.z);
+    return sky;
 }
 
 }  // namespace sheen

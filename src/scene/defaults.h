@@ -1,5 +1,5 @@
 // What a file without cameras or without light gets, so that it shows something: a camera that
-// frames it, and a key light as a photographer would set it.
+// frames it, and the light of a studio as a photographer would set it.
 #pragma once
 
 #include "scene/scene.h"
@@ -19,5 +19,10 @@ bool isDark(const Scene& scene);
 /// From above, to the left of that camera: fixed in the world, so that other views, animations and
 /// bakes share it. White that faces it has radiance 1.
 PunctualLight keyLight(const Camera& camera);
+
+/// The surroundings that go with it: neutral grey, soft light from above, a darker floor, one broad
+/// soft box where the key light comes from and another one across. Turned to that camera as well.
+/// In its shadow white that lies level has a radiance of 0.78.
+Environment studioSky(const Camera& camera);
 
 }  // namespace sheen

@@ -33,6 +33,8 @@ struct EnvironmentParams {
     float rotation = 0.0f;  ///< degrees, added
     float strength = 1.0f;  ///< factor of its radiance
     bool transparent = false;
+    /// Whoever renders knows no sky: a scene without any light gets a key light and no studio.
+    bool no_sky = false;
 };
 
 /// The environment of that name; empty for "none" and for nothing said. `files` gets the one that

@@ -117,9 +117,15 @@ Scene loadScene(const std::string& path, const LoadParams& params) {
     if (!scene.triangles.empty() && environment.source != "none" && isDark(scene)) {
         scene.lights.push_back(keyLight(scene.cameras.front()));
         scene.light_names.push_back("default");
-        file.notes.add(
-            "the scene has no light and nothing that emits: lit by a sun from above, to the left "
-            "of its first view; --environment lights it by a sky or, by none, not at all");
+        if (!environment.no_sky) {
+            scene.environment = studioSky(scene.cameras.front());
+            scene.environment.visible = !environment.transparent;
+        }
+        file.notes.add(fmt::format(
+            "the scene has no light and nothing that emits: lit {} a key light from above, to the "
+            "left of its first view; --environment lights it by another sky or, by none, not at "
+            "all",
+            environment.no_sky ? "by" : "by a studio's grey sky and"));
     }
     if (params.view.given()) {
         scene.cameras.insert(scene.cameras.begin(), seenFrom(scene, params));

@@ -88,9 +88,9 @@ struct LoadParams {
 /// and lights, as docs/gltf.md lists them. Whatever else the file uses is named in Scene::warnings,
 /// or, where the result would be wrong (a required extension, a compressed mesh), is an input
 /// error. A scene without cameras gets one that frames it; geometry without lights, none of
-/// which emits, gets a sun of pi lux, from above and to the left of its first camera, and a warning
-/// that says so, unless an environment is given or said to be none.
-/// Usage error where there is no such camera or variant; see loadEnvironment() for its errors.
+/// which emits, gets a studio (scene/defaults.h) about its first camera, and a warning that says
+/// so, unless an environment is given or said to be none. Usage error where there is no such camera
+/// or variant; see loadEnvironment() for its errors.
 Scene loadScene(const std::string& path, const LoadParams& params = {});
 
 /// The camera called `name`, or the one with that index; empty: the first. Usage error if absent.

@@ -23,6 +23,27 @@ vec3 specularAt(const Receivers& receivers, const SplatBuffer& splat, size_t i) 
     return missed.w > 0.0f ? said + albedo * vec3(missed) / missed.w : said;
 }
 
+// What arrives at a receiver, by what its weights' sum, above zero, makes of it.
+struct Arriving {
+    vec3 irradiance{0.0f};
+    vec3 reflected{0.0f};  // by its lobe
+};
+
+Arriving arrivingAt(const LitReceivers& lit, size_t i) {
+    const Receivers& receivers = lit.receivers;
+    const vec4& sum = lit.splat.irradiance.pixels[i];
+    if (sum.w <= 0.0f) {
+        return {};
+    }
+    Arriving arriving{.irradiance = vec3(sum) / sum.w};
+    if (receivers.by_rays[i] != 0) {
+        arriving.reflected = lit.by_rays.pixels[i];
+    } else if (!receivers.irradiance_only) {
+        arriving.reflected = specularAt(receivers, lit.splat, i);
+    }
+    return arriving;
+}
+
 template <class T>
 Image<T> imageOf(const Receivers& receivers, const std::vector<T>& values) {
     Image<T> image;
@@ -87,14 +108,9 @@ ComposeCounts compose(const Receivers& receivers, const SplatBuffer& splat,
             if (sum.w <= 0.0f) {
                 continue;
             }
-            const vec3 irradiance = vec3(sum) / sum.w;
-            vec3 specular(0.0f);
-            if (receivers.by_rays[i] != 0) {
-                specular = by_rays.pixels[i];
-            } else if (!receivers.irradiance_only) {
-                specular = specularAt(receivers, splat, i);
-            }
-            vec3 diffuse = receivers.diffuse[i] * irradiance / kPi;
+            const Arriving arriving = arrivingAt({receivers, splat, by_rays}, i);
+            vec3 specular = arriving.reflected;
+            vec3 diffuse = receivers.diffuse[i] * arriving.irradiance / kPi;
             if (!finite(diffuse) || !finite(specular)) {
                 ++nonfinite;
                 diffuse = specular = vec3(0.0f);
@@ -108,6 +124,43 @@ ComposeCounts compose(const Receivers& receivers, const SplatBuffer& splat,
         }
     });
     return {.nonfinite = nonfinite, .negative = negative};
+}
+
+void blendEdges(const Edges& edges, const LitReceivers& pixels, const LitReceivers& strays,
+                Frame& frame) {
+    frame.coverage = alpha(frame);
+    const auto set = [](vec3& layer, const vec3& value) {
+        layer = finite(value) ? value : vec3(0.0f);
+    };
+    constexpr int kGrain = 64;
+    parallelFor(
+        static_cast<int>(edges.pixels.size()),
+        [&](int k) {
+            const auto edge = static_cast<size_t>(k);
+            const EdgePixel& mean = edges.pixels[edge];
+            vec3 diffuse(0.0f);
+            vec3 specular(0.0f);
+            for (size_t s = mean.first_share; s < edges.endOfShares(edge); ++s) {
+                const EdgeShare& share = edges.shares[s];
+                const bool stray = share.receiver >= edges.first_stray;
+                const LitReceivers& lit = stray ? strays : pixels;
+                const auto i =
+                    static_cast<size_t>(share.receiver - (stray ? edges.first_stray : 0));
+                const Arriving arriving = arrivingAt(lit, i);
+                diffuse += share.diffuse * arriving.irradiance / kPi;
+                specular += share.specular * arriving.reflected /
+                            glm::max(lit.receivers.specularAlbedo(i), vec3(1e-12f));
+            }
+            const size_t i = mean.pixel;
+            frame.coverage.pixels[i] = mean.coverage;
+            set(frame.direct.pixels[i], mean.direct);
+            set(frame.indirect.pixels[i], glm::max(diffuse + specular, vec3(0.0f)));
+            set(frame.indirect_diffuse.pixels[i], diffuse);
+            if (!frame.emission.empty()) {
+                set(frame.emission.pixels[i], mean.emission);
+            }
+        },
+        kGrain);
 }
 
 }  // namespace sheen

@@ -7,6 +7,7 @@
 
 #include "gl/worker_pool.h"
 #include "image/frame.h"
+#include "receivers/edges.h"
 #include "receivers/receivers.h"
 #include "record/record.h"
 
@@ -36,7 +37,7 @@ void checkSplat(gl::WorkerPool& pool, const Receivers& receivers);
 SplatBuffer splatGpu(gl::WorkerPool& pool, const Receivers& receivers, const RecordCache& cache,
                      const WeightParams& weight, int band_pixels = kBandPixels);
 
-/// The same on the CPU, slowly: what splatGpu() is tested against.
+/// The same on the CPU: for receivers that are no image, and what splatGpu() is tested against.
 SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
                      const WeightParams& weight);
 
@@ -58,5 +59,17 @@ struct ComposeCounts {
 /// what the camera sees, 44 bytes a pixel.
 ComposeCounts compose(const Receivers& receivers, const SplatBuffer& splat,
                       const Image<vec3>& by_rays, bool geometry, Frame& frame);
+
+/// Receivers and what is known of the light that they reflect, as compose() takes it.
+struct LitReceivers {
+    const Receivers& receivers;
+    const SplatBuffer& splat;
+    const Image<vec3>& by_rays;
+};
+
+/// Makes pixels with edges, in the layers of light that compose() filled, what their samples see on
+/// average. What is not finite counts as black.
+void blendEdges(const Edges& edges, const LitReceivers& pixels, const LitReceivers& strays,
+                Frame& frame);
 
 }  // namespace sheen

@@ -1,13 +1,51 @@
+#include <algorithm>
+
+#include "cache/record_tree.h"
 #include "core/parallel.h"
 #include "receivers/served.h"
 #include "splat/splat.h"
 
 namespace sheen {
 
+namespace {
+
+// Which records may reach a place, in order.
+class Nearby {
+  public:
+    Nearby(const RecordCache& cache, const WeightParams& weight) : tree_(boundsOf(cache)) {
+        for (const Record& k : cache.records) {
+            tree_.insert(k.position, weight.accuracy * k.radius);
+        }
+    }
+    std::vector<size_t> at(const vec3& p) const {
+        std::vector<size_t> found;
+        const auto reaches = [](float distance2, float reach) {
+            return distance2 <= reach * reach;
+        };
+        tree_.visit(p, reaches, [&](uint32_t k) { found.push_back(k); });
+        std::sort(found.begin(), found.end());
+        return found;
+    }
+
+  private:
+    static Bounds boundsOf(const RecordCache& cache) {
+        Bounds bounds;
+        for (const Record& k : cache.records) {
+            bounds.add(k.position);
+        }
+        return bounds;
+    }
+
+    RecordTree tree_;
+};
+
+}  // namespace
+
 SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
                      const WeightParams& weight) {
     const Image<vec4> none(receivers.image.width, receivers.image.height);
     SplatBuffer result{none, none, none};
+    const Nearby nearby(cache, weight);
     parallelFor(receivers.image.height, [&](int y) {
         for (int x = 0; x < receivers.image.width; ++x) {
             const size_t i = receivers.image.index(x, y);
@@ -15,7 +53,11 @@ SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
             const vec3& p = receivers.positions[i];
             const shared::ShVector lobe =
                 order > shared::DIFFUSE_ORDER ? receivers.lobes.at(i, order) : shared::ShVector{};
-            for (const Record& k : cache.records) {
+            if (order == kNoOrder) {
+                continue;
+            }
+            for (const size_t near : nearby.at(p)) {
+                const Record& k = cache.records[near];
                 if (!serves(k.order, order)) {
                     continue;
                 }
