@@ -30,6 +30,12 @@ constexpr uint32_t kLampSeed = 0x6c616d70u;
 constexpr uint32_t kSkySeed = 0x736b7900u;
 constexpr uint32_t kDirectSeed = 0x64697265u;
 
+// Of all bounces these are always followed; then a path goes on with the chance that is the
+// brightest of what its channels have left, but never surely, so that it ends in white rooms too.
+constexpr int kSureBounces = 3;
+constexpr float kLikeliest = 0.95f;
+constexpr uint32_t kRouletteSeed = 0x726f756cu;
+
 // Where a pixel's paths start: the point they leave and how they leave it.
 struct Start {
     const Surface& p;
@@ -105,6 +111,14 @@ vec3 followPath(const Context& context, const Surface& start, const DirectionSam
             break;
         }
         throughput *= next.weight;
+        if (bounces == kAllBounces && bounce > kSureBounces) {
+            const float chance =
+                std::min(std::max({throughput.x, throughput.y, throughput.z}), kLikeliest);
+            if (owenSobol(index, hashCombine(bounce_seed, kRouletteSeed)).x >= chance) {
+                break;
+            }
+            throughput /= chance;
+        }
         wi = next.wi;
         pdf = next.pdf;
         from = q;

@@ -100,10 +100,11 @@ void dropTargets() {
     gl::glFinish();
 }
 
-std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const HemisphereParams& hemisphere) {
+std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const ViewState& view,
+                                       const HemisphereParams& hemisphere) {
     switch (state.road) {
         case GatherRoad::kRays:
-            return std::make_unique<RayGatherer>(*state.outgoing, hemisphere);
+            return std::make_unique<RayGatherer>(view.outgoing(state), hemisphere);
         case GatherRoad::kRaster:
             return std::make_unique<RasterGatherer>(state.pool, state.gpu, hemisphere);
     }
@@ -128,8 +129,8 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     if (state.road != GatherRoad::kRays) {
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
-    RayGatherer gatherer(*state.outgoing, seen);
-    gatherProbes(state.scene, view.receivers, view.field, gatherer, *state.outgoing,
+    RayGatherer gatherer(view.outgoing(state), seen);
+    gatherProbes(state.scene, view.receivers, view.field, gatherer, view.outgoing(state),
                  params.specular, probes);
     return estimateError(errors, probes, view.receivers, indirect);
 }
@@ -150,7 +151,7 @@ struct Pass {
 Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& how,
                      const HemisphereParams& hemisphere, bool quiet, double at_most,
                      StageSeconds& seconds) {
-    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, hemisphere);
+    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
     const Timer timer;
     const auto account = [&] {
         const GatherSeconds gathered = gatherer->seconds();
@@ -321,6 +322,10 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     stats.corrected_share = counts.corrected / seen;
     stats.too_glossy_share = counts.too_glossy / seen;
     stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
+    if (view.again) {
+        stats.elements = view.again->elementCount();
+        stats.elements_missed_share = view.again->missedShare();
+    }
     return result;
 }
 
@@ -380,6 +385,9 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
                 throwUsage(
                     "--environment: records that are rasterised see no sky; use --gather ray");
+            }
+            if (params.gather_road == GatherRoad::kRaster && params.bounces != 1) {
+                throwUsage("--bounces: records that are rasterised have 1; use --gather ray");
             }
             findCamera(scene_, params.camera);  // before anything is made for it
             StageSeconds seconds;

@@ -3,6 +3,8 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "light/direct.h"
+#include "light/place_elements.h"
+#include "rays/jitter.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -25,6 +27,19 @@ template <class Make>
 auto timed(double& stage, const Make& make) {
     const StageTimer timer(stage);
     return make();
+}
+
+// About a thousand receivers, by chance.
+std::vector<ElementSite> someOf(const Scene& scene, const Receivers& receivers) {
+    constexpr double kSome = 1024.0;
+    const double share = kSome / std::max(receivers.counts.seen, 1);
+    std::vector<ElementSite> some;
+    for (size_t i = 0; i < receivers.positions.size(); ++i) {
+        if (receivers.seen(i) && pcgHash(static_cast<uint32_t>(i)) * 0x1p-32 < share) {
+            some.push_back({.side = receivers.sideAt(scene, i), .normal = receivers.normals[i]});
+        }
+    }
+    return some;
 }
 
 }  // namespace
@@ -87,9 +102,14 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
                            params.method == Method::kIrradiance);
     });
     checkSplat(state.pool, receivers);
+    if (params.bounces > 1) {
+        const StageTimer timer(seconds.bounces);
+        again.emplace(*state.outgoing, placeElements(state.tracer, someOf(state.scene, receivers)),
+                      state.near, params.bounces);
+    }
     if (receivers.anyByRays()) {
         const StageTimer timer(seconds.gather);
-        specular = traceSpecular(*state.outgoing, receivers, params.specular);
+        specular = traceSpecular(outgoing(state), receivers, params.specular);
     }
 }
 

@@ -7,7 +7,7 @@
 #include "cache/fill.h"
 #include "gl/worker_pool.h"
 #include "glossy/specular_rays.h"
-#include "light/scattered_once.h"
+#include "light/scattered_again.h"
 #include "raster/gpu_scene.h"
 #include "rays/tracer.h"
 #include "render/render.h"
@@ -22,7 +22,7 @@ struct SceneState {
     gl::WorkerPool pool;
     Tracer tracer;
     LampSampler lamps;
-    std::optional<ScatteredOnce> outgoing;  // what rays see
+    std::optional<ScatteredOnce> outgoing;  // what rays see of one bounce
     GpuScene gpu;                           // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
 
@@ -36,6 +36,7 @@ struct SceneState {
 /// Made of a camera once: its pixels as receivers, what of their light records are not asked for,
 /// and the records gathered so far.
 struct ViewState {
+    std::optional<ScatteredAgain> again;  // what rays see of more bounces; none of one
     Receivers receivers;
     Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
     RecordField field;
@@ -43,6 +44,10 @@ struct ViewState {
 
     /// Usage error where the camera does not exist.
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds);
+    /// What rays see.
+    const OutgoingLight& outgoing(const SceneState& state) const {
+        return again ? static_cast<const OutgoingLight&>(*again) : *state.outgoing;
+    }
 };
 
 }  // namespace sheen
