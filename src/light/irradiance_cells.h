@@ -19,32 +19,31 @@ class IrradianceCells {
     /// `near`: as LightCells has them.
     IrradianceCells(const Scene& scene, const std::vector<Bounds>& near);
 
-    /// Irradiance where a ray that stands for `area` hit: what find(uv) says of the middle of the
-    /// cell, at these barycentric coordinates, or, where it says nothing there or cells are larger
-    /// than the area by much, of the hit itself; none where it says nothing.
+    /// Where a ray that stands for `area` hit: what find(uv), an optional, says of the middle of
+    /// the cell, at these barycentric coordinates, or, where cells are larger than the area by
+    /// much, of the hit itself. Whichever find() asks first for a cell must be as good as any
+    /// other.
     template <class Find>
     std::optional<vec3> at(const Hit& hit, float area, const Find& find) const {
         const Triangle& triangle = triangles_[hit.triangle];
-        if (triangle.cell_area <= kLargestOfRay * area) {
-            const TriangleGrid grid{triangle.n};
-            const TriangleGrid::Place place = grid.placeOf(hit.u, hit.v);
-            std::atomic<uint64_t>& cell =
-                cells_[triangle.first + (hit.back ? grid.cellCount() : 0) + place.cell];
-            uint64_t packed = cell.load(std::memory_order_relaxed);
-            if (packed == kUnknown) {
-                const std::optional<vec3> found = find(place.middle);
-                packed = found ? pack(*found) : kNothing;
-                cell.store(packed, std::memory_order_relaxed);
-            }
-            if (packed != kNothing) {
-                return unpack(packed);
-            }
+        if (triangle.cell_area > kLargestOfRay * area) {
+            return find(vec2(hit.u, hit.v));
         }
-        return find(vec2(hit.u, hit.v));
+        const Place place = placeOf(hit);
+        std::atomic<uint64_t>& cell = cells_[place.cell];
+        uint64_t packed = cell.load(std::memory_order_relaxed);
+        if (packed == kUnknown) {
+            const std::optional<vec3> found = find(place.middle);
+            packed = found ? pack(*found) : kNothing;
+            cell.store(packed, std::memory_order_relaxed);
+        }
+        return packed == kNothing ? std::nullopt : std::optional(unpack(packed));
     }
+    /// Cells lie anywhere in memory: by the time that one is read, it has arrived.
+    void prefetch(const Hit& hit) const { __builtin_prefetch(&cells_[placeOf(hit).cell]); }
 
   private:
-    static constexpr float kLargestOfRay = 16.0f;
+    static constexpr float kLargestOfRay = 64.0f;
     // No numbers: bits beyond those of three channels.
     static constexpr uint64_t kUnknown = ~uint64_t{0};
     static constexpr uint64_t kNothing = kUnknown - 1;
@@ -70,6 +69,15 @@ class IrradianceCells {
             irradiance[channel] = std::bit_cast<float>(bits << kCut);
         }
         return irradiance;
+    }
+
+    using Place = TriangleGrid::Place;
+    Place placeOf(const Hit& hit) const {
+        const Triangle& triangle = triangles_[hit.triangle];
+        const TriangleGrid grid{triangle.n};
+        Place place = grid.placeOf(hit.u, hit.v);
+        place.cell += triangle.first + (hit.back ? static_cast<uint32_t>(grid.cellCount()) : 0);
+        return place;
     }
 
     struct Triangle {

@@ -12,7 +12,7 @@ namespace {
 
 // Of rays: from the points that light is looked for from, and from each element.
 constexpr int kLookRows = 4, kLookColumns = 8;
-constexpr int kElementRows = 8, kElementColumns = 16;
+constexpr int kElementRows = 6, kElementColumns = 16;
 
 constexpr size_t kMostElements = 4000;
 constexpr size_t kMostRounds = 5;
@@ -21,7 +21,7 @@ constexpr float kFarther = 1.2f;
 
 // Elements lie as far apart as this share of the way that they are seen over; those that only other
 // elements see, twice as far: they count for less.
-constexpr float kOfWay = 0.35f;
+constexpr float kOfWay = 0.4f;
 constexpr float kOfFurtherWay = 2.0f * kOfWay;
 // And no farther than this share of the harmonic mean distance of what they see: light that comes
 // from nearby varies. [WRC88]
@@ -146,7 +146,7 @@ ElementSite elementSiteAt(const Scene& scene, const Hit& hit, const vec2& uv, co
                      .n_g = p.n_g,
                      .toward_viewer = wo,
                      .offset = surfaceOffset(scene, p.triangle, p.position, p.n_g, p.distance)},
-            .normal = normalsAt(scene, p.triangle, p.barycentric, p.n_g, wo).smooth};
+            .normal = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.n_g).smooth};
 }
 
 Elements placeElements(const Tracer& tracer, std::span<const ElementSite> from) {

@@ -25,6 +25,10 @@ constexpr int kMostFollowed = 8;
 // fewer ways, the more each counts, and the more noise there is.
 constexpr float kOftener = 1.5f;
 
+// What a way that goes on stands for, at the most: highlights seen over it are as wide as that.
+// Were it all of what is reflected there, they would be too wide to send on all of their light.
+constexpr float kWidest = 0.1f;
+
 // Steps of the solution end where it changes by less than this share of itself, or after so many.
 constexpr double kDone = 1e-4;
 constexpr int kMostSteps = 2000;
@@ -65,29 +69,35 @@ struct Ways {
 struct ScatteredAgain::Point {
     const Hit& hit;
     vec3 wo;
-    vec3 diffuse;                // reflectance toward wo
-    vec3 specular_albedo{0.0f};  // zero: no lobe, and none of what follows
+    bool lambertian;
+    // Of what is not.
+    vec3 diffuse{0.0f};  // reflectance toward wo
+    vec3 specular_albedo{0.0f};
     Brdf brdf{};
     vec3 n{0.0f};
 
-    Point(const Scene& scene, const Hit& hit_, const vec3& wo_) : hit(hit_), wo(wo_) {
-        const Material& material = scene.materials[scene.materials_of[hit.triangle]];
-        if (isLambertian(material.params) && !material.textured() && scene.colors.empty()) {
-            diffuse = material.params.base_color;
-            return;
-        }
-        const vec3 barycentric(1.0f - hit.u - hit.v, hit.u, hit.v);
-        const MaterialParams params = materialAt(scene, hit.triangle, barycentric);
-        if (isLambertian(params)) {
-            diffuse = params.base_color;
+    Point(const Scene& scene, const Hit& hit_, const vec3& wo_)
+        : hit(hit_),
+          wo(wo_),
+          lambertian(isLambertian(scene.materials[scene.materials_of[hit.triangle]].params)) {
+        if (lambertian) {
             return;
         }
         const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, wo, hit.distance);
-        n = normalsAt(scene, hit.triangle, barycentric, p.n_g, wo).mapped;
+        const MaterialParams params = materialAt(scene, p.triangle, p.barycentric);
+        n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, wo).mapped;
         const vec2 albedo = brdfAlbedo(glm::dot(n, wo), params.roughness);
         brdf = shared::makeBrdf(params, albedo);
         diffuse = brdf.diffuse;
         specular_albedo = brdf.f0 * albedo.x + vec3(brdf.f90 * albedo.y);
+    }
+    // What of the irradiance at barycentric coordinates uv of its triangle is reflected, but for
+    // what a lobe that is not lambertian makes of it.
+    vec3 albedoAt(const Scene& scene, const vec2& uv) const {
+        return materialAt(scene, hit.triangle, vec3(1.0f - uv.x - uv.y, uv)).base_color;
+    }
+    vec3 albedo(const Scene& scene) const {
+        return lambertian ? albedoAt(scene, vec2(hit.u, hit.v)) : diffuse;
     }
     ElementSite site(const Scene& scene) const {
         return elementSiteAt(scene, hit, vec2(hit.u, hit.v), wo);
@@ -114,11 +124,12 @@ struct ScatteredAgain::Point {
         const vec3 fresnel = brdf.f0 + (vec3(brdf.f90) - brdf.f0) * shared::schlickWeight(VoH);
         const float density = reflectedDensity(NoV, h.z, brdf.alpha);
         ways.add(ray, weight * fresnel * (visibleNormalWeight(NoV, wi.z, brdf.alpha) / chance),
-                 p.eye(scene), direction, std::min(1.0f / std::max(density, 1e-12f), kPi));
+                 p.eye(scene), direction, std::min(1.0f / std::max(density, 1e-12f), kWidest));
     }
     // And by the cosine.
     void followDiffuse(const Scene& scene, size_t ray, const vec3& weight, Ways& ways) const {
-        const float chance = std::min(kOftener * luminance(weight * diffuse), 1.0f);
+        const vec3 reflected = weight * albedo(scene);
+        const float chance = std::min(kOftener * luminance(reflected), 1.0f);
         const uint32_t seed = seedOf(hit);
         if (randomPlace(seed, kWhetherDiffuse).x >= chance) {
             return;
@@ -127,7 +138,7 @@ struct ScatteredAgain::Point {
         const vec3 direction = glm::normalize(tangentFrame(from.normal) *
                                               cosineDirection(randomPlace(seed, kWhereDiffuse)));
         if (glm::dot(direction, from.side.n_g) > 0.0f) {
-            ways.add(ray, weight * diffuse / chance, from.side.start(), direction, kPi);
+            ways.add(ray, reflected / chance, from.side.start(), direction, kWidest);
         }
     }
 };
@@ -196,7 +207,8 @@ ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
         const auto add = [&](size_t, int followed, const vec3& radiance) {
             result.light[static_cast<size_t>(followed)] += kEach * radiance;
         };
-        const auto ask = [&](size_t, int followed, const Point& q, const vec3& weight) {
+        const auto ask = [&](size_t, int followed, const Point& q, const vec3& weight,
+                             const vec3& lobe) {
             const ElementSite at = q.site(scene());
             const Neighbours near = neighbours(at.side.position, at.normal);
             float sum = 0.0f;
@@ -210,7 +222,8 @@ ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
                 if (u < 0.0f || k + 1 == near.count) {
                     result.terms.push_back({.element = near.elements[k],
                                             .followed = followed,
-                                            .weight = kEach * std::copysign(sum, w) * weight});
+                                            .weight = kEach / kPi * std::copysign(sum, w) * weight *
+                                                      (q.albedo(scene()) + lobe)});
                     break;
                 }
             }
@@ -260,8 +273,7 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
                           const vec3& weight, Ways& next) {
         const Point q(scene(), hit, wo);
         const bool last = followed == most;
-        const vec3 reflected = weight * (q.diffuse + (last ? q.specular_albedo : vec3(0.0f)));
-        const bool known = reflected == vec3(0.0f) || ask(ray, followed, q, reflected / kPi);
+        const bool known = ask(ray, followed, q, weight, last ? q.specular_albedo : vec3(0.0f));
         if (!last && !known) {
             q.followDiffuse(scene(), ray, weight, next);
         }
@@ -342,23 +354,33 @@ std::optional<vec3> ScatteredAgain::irradiance(const ElementSite& at, int follow
 }
 
 void ScatteredAgain::radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const {
+    for (const Hit& hit : hits) {
+        if (hit.found()) {
+            cells_.prefetch(hit);
+        }
+    }
     once_.radiance(rays, hits, radiance);
     int64_t asked = 0, missed = 0;
     follow(
         rays, hits, [&](size_t ray, int, const vec3& light) { radiance[ray] += light; },
-        [&](size_t ray, int followed, const Point& q, const vec3& weight) {
+        [&](size_t ray, int followed, const Point& q, const vec3& weight, const vec3& lobe) {
+            // Of a Lambertian surface what is reflected is kept, textures included.
             const auto find = [&](const vec2& uv) {
-                return irradiance(elementSiteAt(scene(), q.hit, uv, q.wo), followed);
+                const auto kept = irradiance(elementSiteAt(scene(), q.hit, uv, q.wo), followed);
+                return kept && q.lambertian ? std::optional(*kept * q.albedoAt(scene(), uv)) : kept;
             };
             // Cells keep what is asked for where rays meet a surface first.
             const float area = rays.solidAngle(ray) * q.hit.distance * q.hit.distance;
             const std::optional<vec3> kept = followed == 0 || bounces_ == kAllBounces
                                                  ? cells_.at(q.hit, area, find)
                                                  : find(vec2(q.hit.u, q.hit.v));
-            radiance[ray] += kept ? weight * *kept : vec3(0.0f);
             ++asked;
-            missed += kept ? 0 : 1;
-            return kept.has_value();
+            if (!kept) {
+                ++missed;
+                return false;
+            }
+            radiance[ray] += weight / kPi * *kept * (q.lambertian ? vec3(1.0f) : q.diffuse + lobe);
+            return true;
         });
     asked_.fetch_add(asked, std::memory_order_relaxed);
     missed_.fetch_add(missed, std::memory_order_relaxed);
