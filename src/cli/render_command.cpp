@@ -181,11 +181,11 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                     ->check(numberIn(1, 10)),
                 cached)
             ->default_str("");
-    o.bounces_option = limited(
+    o.bounces_option =
         app.add_option("--bounces", o.bounces,
                        "Bounces of indirect light: all, or so many at the most, 1..64; the octree "
-                       "and records that are rasterised have 1"),
-        {Method::kRadiance, Method::kIrradiance, Method::kReference, Method::kDenoised});
+                       "and records that are rasterised have 1")
+            ->capture_default_str();
     limited(app.add_option("--spp", p.spp, "reference, denoised: paths a pixel")
                 ->check(numberIn(1, 65536)),
             traced);
@@ -222,13 +222,24 @@ void checkMethodOptions(const RenderOptions& o) {
             throwUsage("{}: not an option of --method {}", limited.option->get_name(), o.method);
         }
     }
-    if (o.params.gather_road == GatherRoad::kRaster && o.bounces_option->count() > 0 &&
-        o.params.bounces != 1) {
-        throwUsage("--bounces {}: records that are rasterised have 1; use --gather ray", o.bounces);
-    }
     if (o.params.gather.kind == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
         throwUsage("--gather-extent: not an option of --gather {}", o.gather);
     }
+}
+
+// All, unless something else is asked for or the method has one.
+int bouncesOf(const RenderOptions& o) {
+    const bool rasterised = o.params.gather_road == GatherRoad::kRaster;
+    const bool one = rasterised || o.params.method == Method::kOctree;
+    if (one && o.bounces_option->count() == 0) {
+        return 1;
+    }
+    const int bounces = parseBounces(o.bounces);
+    if (one && bounces != 1) {
+        throwUsage("--bounces {}: {} computes one", o.bounces,
+                   rasterised ? "--gather " + o.gather : "--method " + o.method);
+    }
+    return bounces;
 }
 
 void checkFileOptions(const RenderOptions& o, FileKind kind) {
@@ -379,9 +390,7 @@ ExitCode runRender(RenderOptions& o) {
     o.params.gather_road = kGathers.at(o.gather).road;
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;
     o.params.sh_order = parseShOrder(o.sh_order);
-    o.params.bounces = o.params.gather_road == GatherRoad::kRaster && o.bounces_option->count() == 0
-                           ? 1
-                           : parseBounces(o.bounces);
+    o.params.bounces = bouncesOf(o);
     o.params.all_layers = o.layers == "all";
     parseExposure(o.exposure);
     checkMethodOptions(o);

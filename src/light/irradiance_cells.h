@@ -43,7 +43,7 @@ class IrradianceCells {
     void prefetch(const Hit& hit) const { __builtin_prefetch(&cells_[placeOf(hit).cell]); }
 
   private:
-    static constexpr float kLargestOfRay = 64.0f;
+    static constexpr float kLargestOfRay = 16.0f;
     // No numbers: bits beyond those of three channels.
     static constexpr uint64_t kUnknown = ~uint64_t{0};
     static constexpr uint64_t kNothing = kUnknown - 1;

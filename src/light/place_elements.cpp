@@ -96,6 +96,16 @@ Elements placeFirst(std::vector<ElementSite>& wanted) {
     }
 }
 
+// Along a surface of unit normal n, as far as to where the plane through the end of `along`, with
+// its unit normal, stands on the surface nearest to the way's start; as far as to that end where
+// the plane hardly stands up.
+float wayToPlane(const vec3& along, const vec3& plane, const vec3& n) {
+    constexpr float kStanding = 0.3f;
+    const vec3 across = plane - glm::dot(plane, n) * n;
+    const float length = glm::length(across);
+    return length < kStanding ? glm::length(along) : std::abs(glm::dot(along, across)) / length;
+}
+
 // What an element's rays tell of its surroundings.
 struct Surroundings {
     Elements::Ways ways;
@@ -113,10 +123,10 @@ Surroundings surroundingsOf(const Tracer& tracer, const Elements& elements, size
         nearness += 1.0f / met.spacing;
         const vec3 way = met.side.position - site.side.position;
         const float height = glm::dot(way, site.normal);
-        const float along = std::sqrt(std::max(glm::dot(way, way) - height * height, 0.0f));
-        if (height < along) {
+        const vec3 along = way - height * site.normal;
+        if (height * height < glm::dot(along, along)) {
             float& free = result.ways[static_cast<size_t>(elements.sector(i, way))];
-            free = std::min(free, along);
+            free = std::min(free, wayToPlane(along, met.side.n_g, site.normal));
         }
     }
     result.mean = static_cast<float>(looks.directions.size()) / nearness;

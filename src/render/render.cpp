@@ -329,6 +329,10 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     return result;
 }
 
+bool usesRecords(Method method) {
+    return method == Method::kRadiance || method == Method::kIrradiance;
+}
+
 // Bytes that so many pixels take, at the most (docs/stability.md).
 uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t pixels) {
     constexpr uint64_t kByPaths = 230;
@@ -336,7 +340,7 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
     constexpr uint64_t kDrawn = 100;   // what OpenGL holds of pixels that are splatted together
     constexpr uint64_t kByRays = 320;  // what rays saw and how it is filtered
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
-    if (params.method != Method::kRadiance && params.method != Method::kIrradiance) {
+    if (!usesRecords(params.method)) {
         return kByPaths * pixels;
     }
     std::vector<bool> used(scene.materials.size(), false);
@@ -357,9 +361,13 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
 void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kProgram = uint64_t{128} << 20;
     constexpr uint64_t kPerTriangle = 650;
+    constexpr uint64_t kKept = uint64_t{48} << 20;  // light of more than one bounce
+    constexpr uint64_t kKeptPerTriangle = 28;
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
-    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) +
+    const bool keeps = usesRecords(params.method) && params.bounces > 1;
+    const uint64_t kept = keeps ? kKept + kKeptPerTriangle * scene.triangles.size() : 0;
+    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept +
                           kPerTriangle * scene.triangles.size(),
                  .threads = threadCount()},
                 fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
