@@ -152,6 +152,7 @@ void composeFrame(State& state, Setup& setup, int order, bool estimate) {
 void writeFile(State& state, Setup& setup, ExrLayers layers) {
     RenderParams params;
     params.width = params.height = 512;
+    params.bounces = 1;
     params.placement.accuracy = 2.0f;  // sooner there
     params.all_layers = true;
     params.quiet = true;

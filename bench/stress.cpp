@@ -148,11 +148,13 @@ Found stress(uint32_t seed, const Options& options) {
     RenderParams params;
     params.width = params.height = options.size;
     params.quiet = true;
+    params.bounces = 1;
     const RenderResult result = renderFrame(scene, params);
     const auto reference = [&](int spp) {
         return renderReference(scene, {.width = options.size,
                                        .height = options.size,
                                        .camera = scene.cameras.front(),
+                                       .bounces = 1,
                                        .spp = spp,
                                        .quiet = true});
     };

@@ -127,6 +127,7 @@ void sweep(const std::vector<std::string>& arguments) {
     params.width = truth.width;
     params.height = truth.height;
     params.quiet = true;
+    params.bounces = 1;
     std::optional<Setting> searched;
     for (size_t i = 2; i < arguments.size(); ++i) {
         const Setting setting = parseSetting(arguments[i]);

@@ -66,6 +66,7 @@ TEST_P(Accuracy, IsNotWorseThanItWas) {
     params.width = truth.width;
     params.height = truth.height;
     params.camera = row.camera;
+    params.bounces = 1;
     params.placement.accuracy = row.accuracy;
     params.quiet = true;
     const RenderResult result = renderFrame(loadNamed(row.scene), params);

@@ -94,6 +94,10 @@ TEST_F(CliTest, optionsOutOfRange) {
                                "--method reference --spp 65537",
                                "--method reference --seed -1",
                                "--method reference --bounces 0",
+                               "--bounces 65",
+                               "--bounces some",
+                               "--gather plane --bounces 2",
+                               "--gather hemicube --bounces all",
                                "--threads -1",
                                "--threads 257",
                                "--layers some",
@@ -109,7 +113,7 @@ TEST_F(CliTest, optionsOutOfRange) {
 }
 
 TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
-    for (const char* option : {"--spp 16", "--seed 1", "--bounces 2"}) {
+    for (const char* option : {"--spp 16", "--seed 1"}) {
         expectError(fmt::format("render scene.gltf {}", option), ExitCode::kUsage, "radiance");
         expectError(fmt::format("render scene.gltf --method irradiance {}", option),
                     ExitCode::kUsage, "irradiance");

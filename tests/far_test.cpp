@@ -113,6 +113,7 @@ RenderParams paramsFor(Method method, int spp) {
     params.method = method;
     params.width = kWidth;
     params.height = kHeight;
+    params.bounces = 1;
     params.spp = spp;
     params.all_layers = true;
     params.quiet = true;

@@ -83,6 +83,21 @@ TEST(Reference, FurnaceOfSeveralBounces) {
     }
 }
 
+// Paths that end by chance alone add up to the whole series.
+TEST(Reference, FurnaceOfAllBounces) {
+    for (const float rho : {0.5f, 0.8f, 0.95f}) {
+        Scene scene;
+        addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(rho), vec3(1.0f))),
+               true);
+        ReferenceParams params = smallParams(lookAt(vec3(0, 0, 0.5f), vec3(0, -1, -1)), 4, 256);
+        params.bounces = kAllBounces;
+        const ReferenceResult r = renderReference(scene, params);
+        expectWithin(
+            r.frame.indirect, r.frame.indirect_variance,
+            [&](int) { return vec3(rho * rho / (1.0f - rho)); }, kSigmas, 1e-4);
+    }
+}
+
 // A diffuse sphere around a point light: direct E/pi*rho with E = I/r^2 everywhere, and indirect
 // rho times that, since every direction sees the same radiance.
 TEST(Reference, SphereAroundAPointLight) {

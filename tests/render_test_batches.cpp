@@ -22,6 +22,7 @@ RenderResult render(const Scene& scene, int batch, int coarsest_stride) {
     RenderParams params;
     params.width = params.height = kSize;
     params.quiet = true;
+    params.bounces = 1;
     params.placement.min_pixels = 0.0f;
     params.all_layers = true;
     params.placement.batch = batch;

@@ -32,6 +32,7 @@ class NastySeeds : public testing::TestWithParam<NastySeed> {
         RenderParams params;
         params.width = params.height = kSize;
         params.quiet = true;
+        params.bounces = 1;
         return renderFrame(scene, params);
     }
 };
@@ -45,6 +46,7 @@ TEST_P(NastySeeds, AreWithinTheirBounds) {
     const ReferenceResult truth = renderReference(scene, {.width = kSize,
                                                           .height = kSize,
                                                           .camera = scene.cameras.front(),
+                                                          .bounces = 1,
                                                           .spp = kSpp,
                                                           .quiet = true});
     EXPECT_EQ(truth.nonfinite_samples, 0);
@@ -90,6 +92,7 @@ TEST(StressBlotches, NoRecordOutshinesItsSurface) {
         RenderParams params;
         params.width = params.height = kSize;
         params.quiet = true;
+        params.bounces = 1;
         params.placement.accuracy = accuracy;
         const RenderResult result = renderFrame(stressScene(17).scene, params);
         std::vector<float> values;

@@ -20,6 +20,7 @@ inline RenderParams smallRender(int width, int height, Method method = Method::k
     params.gather_road = road;
     params.width = width;
     params.height = height;
+    params.bounces = 1;
     params.gather.size = 32;
     params.all_layers = true;
     params.quiet = true;

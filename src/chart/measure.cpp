@@ -246,6 +246,7 @@ class Sweep {
             params.width = params_.width;
             params.height = params_.height;
             params.camera = params_.camera;
+            params.bounces = 1;
             params.spp = params_.reference_spp;
             params.seed = kReferenceSeed;
             reference.key = keyOf(s, {"reference", fmt::format("{}", params.spp)});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/bounces.h"
 #include "core/error.h"
 
 namespace sheen::cli {
@@ -14,6 +15,7 @@ namespace {
 constexpr int kMaxSide = 16384;
 constexpr float kMaxStops = 50.0f;
 constexpr double kFarthest = 1e15;  // of a point, each way
+constexpr int kMostBounces = 64;
 constexpr int kMinShOrder = 2;
 constexpr int kMaxShOrder = 10;
 
@@ -102,6 +104,17 @@ int parseShOrder(const std::string& text) {
         throwUsage("--sh-order {}: must be auto or {}..{}", text, kMinShOrder, kMaxShOrder);
     }
     return *order;
+}
+
+int parseBounces(const std::string& text) {
+    if (text == "all") {
+        return kAllBounces;
+    }
+    const std::optional<int> bounces = parseNumber<int>(text);
+    if (!bounces || *bounces < 1 || *bounces > kMostBounces) {
+        throwUsage("--bounces {}: must be all or 1..{}", text, kMostBounces);
+    }
+    return *bounces;
 }
 
 void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params) {

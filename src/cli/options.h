@@ -28,6 +28,9 @@ dvec3 parsePoint(const char* option, const std::string& text);
 /// "auto" (0) or 2..10. Usage error otherwise.
 int parseShOrder(const std::string& text);
 
+/// "all" (kAllBounces) or 1..64. Usage error otherwise.
+int parseBounces(const std::string& text);
+
 /// --environment and what belongs to it, of any command that renders.
 void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params);
 

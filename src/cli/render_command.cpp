@@ -52,6 +52,7 @@ struct RenderOptions {
     std::string method = "radiance";
     std::string sh_order = "auto";
     std::string gather = "ray";
+    std::string bounces = "all";
     std::string exposure = "auto";
     std::string tone = "neutral";
     std::string layers = "basic";
@@ -68,6 +69,7 @@ struct RenderOptions {
     CLI::Option* tone_option = nullptr;
     CLI::Option* layers_option = nullptr;
     CLI::Option* extent_option = nullptr;
+    CLI::Option* bounces_option = nullptr;
 };
 
 template <class T>
@@ -204,10 +206,11 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                     ->check(numberIn(1, 10)),
                 cached)
             ->default_str("");
-    app.add_option("--bounces", p.bounces,
-                   "Bounces of indirect light; more than 1: reference and denoised only")
-        ->check(numberIn(1, 64))
-        ->capture_default_str();
+    o.bounces_option =
+        app.add_option("--bounces", o.bounces,
+                       "Bounces of indirect light: all, or so many at the most, 1..64; the octree "
+                       "and records that are rasterised have 1")
+            ->capture_default_str();
     limited(app.add_option("--spp", p.spp, "reference, denoised: paths a pixel")
                 ->check(numberIn(1, 65536)),
             traced);
@@ -244,12 +247,24 @@ void checkMethodOptions(const RenderOptions& o) {
             throwUsage("{}: not an option of --method {}", limited.option->get_name(), o.method);
         }
     }
-    if (!tracesPaths(o.params.method) && o.params.bounces != 1) {
-        throwUsage("--bounces {}: --method {} computes one bounce", o.params.bounces, o.method);
-    }
     if (o.params.gather.kind == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
         throwUsage("--gather-extent: not an option of --gather {}", o.gather);
     }
+}
+
+// All, unless something else is asked for or the method has one.
+int bouncesOf(const RenderOptions& o) {
+    const bool rasterised = o.params.gather_road == GatherRoad::kRaster;
+    const bool one = rasterised || o.params.method == Method::kOctree;
+    if (one && o.bounces_option->count() == 0) {
+        return 1;
+    }
+    const int bounces = parseBounces(o.bounces);
+    if (one && bounces != 1) {
+        throwUsage("--bounces {}: {} computes one", o.bounces,
+                   rasterised ? "--gather " + o.gather : "--method " + o.method);
+    }
+    return bounces;
 }
 
 void checkFileOptions(const RenderOptions& o, FileKind kind) {
@@ -280,10 +295,10 @@ Json shOrders(const std::vector<MaterialOrder>& orders) {
 
 // Stages in the order they run.
 std::vector<std::pair<const char*, double>> stagesOf(const StageSeconds& s) {
-    return {{"load", s.load},           {"gbuffer", s.gbuffer}, {"shadow", s.shadow},
-            {"placement", s.placement}, {"gather", s.gather},   {"project", s.project},
-            {"splat", s.splat},         {"compose", s.compose}, {"trace", s.trace},
-            {"denoise", s.denoise},     {"write", s.write}};
+    return {{"load", s.load},       {"gbuffer", s.gbuffer},     {"shadow", s.shadow},
+            {"bounces", s.bounces}, {"placement", s.placement}, {"gather", s.gather},
+            {"project", s.project}, {"splat", s.splat},         {"compose", s.compose},
+            {"trace", s.trace},     {"denoise", s.denoise},     {"write", s.write}};
 }
 
 Json statsJson(const RenderOptions& o, const RenderStats& stats) {
@@ -317,6 +332,8 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"gl_renderer", stats.gl_renderer}};
     if (usesCache(o.params.method)) {
         json["gather"] = o.gather;
+        json["elements"] = stats.elements;
+        json["elements_missed_share"] = stats.elements_missed_share;
     }
     if (tracesPaths(o.params.method)) {
         json["mrays_per_second"] = stats.mrays_per_second;
@@ -355,6 +372,11 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
     }
     if (usesCache(o.params.method)) {
         fmt::print("gather    {}\n", o.gather);
+        if (stats.elements > 0) {
+            fmt::print(
+                "bounces   {}: kept at {} elements, none near for {:.2g}% of what asks them\n",
+                o.bounces, stats.elements, 100.0 * stats.elements_missed_share);
+        }
         if (std::isfinite(stats.estimated_rel_rmse)) {
             fmt::print("estimate  rel_rmse of the indirect light {:.1f}% ({:.1f} to {:.1f}%)\n",
                        100 * stats.estimated_rel_rmse, 100 * stats.estimate_low,
@@ -417,6 +439,7 @@ ExitCode runRender(RenderOptions& o) {
     o.params.gather_road = kGathers.at(o.gather).road;
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;
     o.params.sh_order = parseShOrder(o.sh_order);
+    o.params.bounces = bouncesOf(o);
     o.params.all_layers = o.layers == "all";
     if (o.aa_option->count() == 0 && smoothsEdges(o.params.method, o.params.gather_road)) {
         o.params.aa = kSmoothEdges;
@@ -429,7 +452,7 @@ ExitCode runRender(RenderOptions& o) {
     checkFileOptions(o, kind);
     setThreadCount(o.threads);
 
-    o.environment.no_sky =
+    o.load.environment.no_sky =
         usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
     const Timer load;
     const Scene scene = loadScene(o.scene, o.load);

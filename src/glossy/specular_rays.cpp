@@ -108,10 +108,8 @@ SpecularSeen see(const OutgoingLight& light, const Receivers& receivers, size_t 
             result.weight[half] += weight;
             if (glm::dot(direction, from.n_g) > 0.0f) {
                 directions[count] = glm::normalize(direction);
-                // One over the density of the rays, D G1 / (4 NoV) of each [Hei18, eq. 17], those
-                // of the pixels that share them included.
-                const float density = rays_sharing * shared::distributionGgx(h.z, alpha) *
-                                      maskingSmith(NoV, alpha) / (4.0f * NoV);
+                // One over the density of the rays, those of the pixels that share them included.
+                const float density = rays_sharing * reflectedDensity(NoV, h.z, alpha);
                 solid_angles[count] = std::min(1.0f / std::max(density, 1e-12f), kPi);
                 halves[count] = half;
                 weights[count++] = weight;

@@ -159,7 +159,7 @@ class PixelLamps {
         return (lobe_ ? lobeDensity(wi) : 0.0f) + (large_ ? cosine / kPi : 0.0f);
     }
 
-    // Of a direction mirrored at visible normals, D G1 / (4 NoV). [Hei18, eq. 17]
+    // Of a direction mirrored at visible normals.
     float lobeDensity(const vec3& wi_world) const {
         const vec3 wi = glm::transpose(frame_) * wi_world;
         const vec3 sum = wi + wo_;
@@ -169,8 +169,7 @@ class PixelLamps {
         }
         const float alpha = point_.surface.brdf.alpha;
         const float NoV = std::max(wo_.z, shared::MIN_COSINE);
-        return shared::distributionGgx(sum.z / length, alpha) * maskingSmith(NoV, alpha) /
-               (4.0f * NoV);
+        return reflectedDensity(NoV, sum.z / length, alpha);
     }
 
     const Tracer& tracer_;

@@ -27,7 +27,6 @@ class OutgoingLight {
     /// packets fill packets of shadow rays.
     static constexpr size_t kTogether = size_t{32} * Tracer::kPacket;
 
-  protected:
     /// The radiance that arrives along each of at most kTogether rays, which met `hits` (misses
     /// among them). As many `radiance` as rays.
     virtual void radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const = 0;

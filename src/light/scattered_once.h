@@ -25,9 +25,10 @@ class ScatteredOnce : public OutgoingLight {
         cells_ = std::move(cells);
     }
 
+    void radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const override;
+
   private:
     struct Lit;
-    void radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const override;
     void addPunctual(const Rays& rays, std::span<const Lit> lacking, vec3* radiance) const;
     void addSampled(const Rays& rays, std::span<const Lit> lit, vec3* radiance) const;
 

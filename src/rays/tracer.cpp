@@ -143,7 +143,7 @@ void Tracer::meet(const Rays& rays, Hit* hits, vec3* planes) const {
         for (size_t i = first; i < end; ++i) {
             const auto k = static_cast<int>(i - first);
             cast.lanes[k] = -1;
-            setRay(met.ray, k, rays.origin, rays.directions[i], kInfinity);
+            setRay(met.ray, k, rays.originOf(i), rays.directions[i], kInfinity);
             met.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
             met.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         }

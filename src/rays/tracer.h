@@ -14,21 +14,24 @@
 
 namespace sheen {
 
-/// Rays from one point. Neighbours should point in similar directions.
+/// Rays from one point, or each from its own. Neighbours should point in similar directions.
 struct Rays {
-    vec3 origin;
+    vec3 origin{0.0f};
     std::span<const vec3> directions;  ///< unit
     /// Of the cone a ray stands for, as many as directions. Highlights narrower than it are seen as
     /// wide as it is (filteredAlpha() in brdf.glsl). None: each ray stands for itself.
     std::span<const float> solid_angles = {};
+    std::span<const vec3> origins = {};  ///< as many as directions; none: all start at `origin`
 
+    const vec3& originOf(size_t i) const { return origins.empty() ? origin : origins[i]; }
     float solidAngle(size_t i) const { return solid_angles.empty() ? 0.0f : solid_angles[i]; }
     /// `count` of them from `first` on.
     Rays part(size_t first, size_t count) const {
         return {.origin = origin,
                 .directions = directions.subspan(first, count),
                 .solid_angles =
-                    solid_angles.empty() ? solid_angles : solid_angles.subspan(first, count)};
+                    solid_angles.empty() ? solid_angles : solid_angles.subspan(first, count),
+                .origins = origins.empty() ? origins : origins.subspan(first, count)};
     }
 };
 

@@ -34,6 +34,12 @@ constexpr uint32_t kDirectSeed = 0x64697265u;
 constexpr uint32_t kPlaceSeed = 0x706c6163u;
 constexpr uint32_t kPartSeed = 0x70617274u;
 
+// Of all bounces these are always followed; then a path goes on with the chance that is the
+// brightest of what its channels have left, but never surely, so that it ends in white rooms too.
+constexpr int kSureBounces = 3;
+constexpr float kLikeliest = 0.95f;
+constexpr uint32_t kRouletteSeed = 0x726f756cu;
+
 // Where a path starts: the point it leaves and how it leaves it.
 struct Start {
     Surface p;
@@ -177,6 +183,14 @@ vec3 followPath(const Context& context, const Surface& start, const DirectionSam
             break;
         }
         throughput *= next.weight;
+        if (bounces == kAllBounces && bounce > kSureBounces) {
+            const float chance =
+                std::min(std::max({throughput.x, throughput.y, throughput.z}), kLikeliest);
+            if (owenSobol(index, hashCombine(bounce_seed, kRouletteSeed)).x >= chance) {
+                break;
+            }
+            throughput /= chance;
+        }
         wi = next.wi;
         pdf = next.pdf;
         from = q;

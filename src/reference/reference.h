@@ -7,7 +7,8 @@
 //   indirect(p) = integral over the hemisphere of the shading normal of f cos [direct(q) + sky(q)],
 //                 q: the first surface seen in that direction; where there is none, of f cos sky;
 //                 sky(q): what of the sky's light q scatters.
-// More bounces continue the path from q to a fixed depth. Lamps are the triangles that emit. Their
+// More bounces continue the path from q to a fixed depth or, for all of them, until it ends by
+// Russian roulette. Lamps are the triangles that emit. Their
 // light and the sky's is estimated twice at each vertex, by directions toward them and by those of
 // the BRDF, weighed against each other.
 // Based on: [Kaj86], [VG95], sampled by lights.h and sampling.h at the points of sobol.h, which
@@ -16,6 +17,7 @@
 
 #include <cstdint>
 
+#include "core/bounces.h"
 #include "image/frame.h"
 #include "scene/scene.h"
 
@@ -25,7 +27,8 @@ struct ReferenceParams {
     int width = 512;
     int height = 512;
     Camera camera;
-    int bounces = 1;  ///< 1: exactly the integral above; 0: no indirect light
+    /// 1: exactly the integral above; 0: no indirect light; kAllBounces: paths end by chance alone
+    int bounces = kAllBounces;
     /// Gather paths a pixel; rounded up to a multiple of `replicates`. Powers of two a replicate
     /// are stratified best. From 256 on, at most as many paths come on top that only teach the
     /// guide where light comes from (256; from 1024 on 1024; from 4096 on 4096).

@@ -26,14 +26,13 @@ inline vec3 sampleCosine(const vec2& u) {
 }
 
 /// Density per solid angle of reflecting wo about a microfacet normal from sampleGgxVisibleNormal.
-/// [Hei18, eq. 17]
 inline float ggxReflectionPdf(const vec3& n, const vec3& wo, const vec3& wi, float alpha) {
     const float NoV = std::max(glm::dot(n, wo), shared::MIN_COSINE);
     // As in shared::specularLobe, digit for digit: where the lobe is so narrow that NoH is coarse,
     // its errors cancel in f / pdf.
     const vec3 h = glm::normalize(wo + wi);
     const float NoH = glm::clamp(glm::dot(n, h), 0.0f, 1.0f);
-    return maskingSmith(NoV, alpha) * shared::distributionGgx(NoH, alpha) / (4.0f * NoV);
+    return reflectedDensity(NoV, NoH, alpha);
 }
 
 /// How a surface point spreads its samples; made once a point.

@@ -102,10 +102,11 @@ void dropTargets() {
     gl::glFinish();
 }
 
-std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const HemisphereParams& hemisphere) {
+std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const ViewState& view,
+                                       const HemisphereParams& hemisphere) {
     switch (state.road) {
         case GatherRoad::kRays:
-            return std::make_unique<RayGatherer>(*state.outgoing, hemisphere);
+            return std::make_unique<RayGatherer>(*view.outgoing, hemisphere);
         case GatherRoad::kRaster:
             return std::make_unique<RasterGatherer>(state.pool, state.gpu, hemisphere);
     }
@@ -130,9 +131,9 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     if (state.road != GatherRoad::kRays) {
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
-    RayGatherer gatherer(*state.outgoing, seen);
-    gatherProbes(state.scene, view.receivers, view.field, gatherer, *state.outgoing,
-                 params.specular, probes);
+    RayGatherer gatherer(*view.outgoing, seen);
+    gatherProbes(state.scene, view.receivers, view.field, gatherer, *view.outgoing, params.specular,
+                 probes);
     return estimateError(errors, probes, view.receivers, indirect);
 }
 
@@ -152,7 +153,7 @@ struct Pass {
 Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& how,
                      const HemisphereParams& hemisphere, bool quiet, double at_most,
                      StageSeconds& seconds) {
-    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, hemisphere);
+    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
     const Timer timer;
     const auto account = [&] {
         const GatherSeconds gathered = gatherer->seconds();
@@ -172,9 +173,10 @@ Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& 
 }
 
 // What records say of the strays of edges, and records of their own of those that none serves.
-SplatBuffer splatStrays(SceneState& state, const Receivers& strays, const RecordCache& cache,
+SplatBuffer splatStrays(SceneState& state, const ViewState& view, const RecordCache& cache,
                         const PlacementParams& how, const HemisphereParams& hemisphere,
                         RenderStats& stats) {
+    const Receivers& strays = view.edges->strays;
     SplatBuffer splat = splatCpu(strays, cache, how.servingWeight());
     std::vector<size_t> missed;
     for (size_t i = 0; i < splat.irradiance.pixels.size(); ++i) {
@@ -182,7 +184,7 @@ SplatBuffer splatStrays(SceneState& state, const Receivers& strays, const Record
             missed.push_back(i);
         }
     }
-    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, hemisphere);
+    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
     const RecordCache own = recordsAt(state.scene, strays, missed, how, *gatherer);
     const SplatBuffer by_own = splatCpu(strays, own, how.servingWeight());
     for (const size_t i : missed) {
@@ -245,7 +247,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     if (view.edges) {
         const Receivers& strays = view.edges->strays;
         const SplatBuffer stray_splat =
-            splatStrays(state, strays, placement.cache, how, hemisphere, stats);
+            splatStrays(state, view, placement.cache, how, hemisphere, stats);
         Image<vec3> stray_specular;
         if (!view.stray_specular.pixels.empty()) {
             stray_specular = reflectSpecular(strays, view.stray_specular,
@@ -363,7 +365,7 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     for (int veil = 1; veil <= view.veils; ++veil) {
         RenderResult of_veil;
         of_veil.stats.seconds = stats.seconds;
-        ViewState veil_view(state, params, of_veil.stats.seconds, veil);
+        ViewState veil_view(state, params, of_veil.stats.seconds, veil, &view);
         each.time_limit += params.time_limit / (view.veils + 1);
         renderView(each, timer, state, veil_view, of_veil);
         veiled.add(std::move(of_veil), veil_view.share);
@@ -377,7 +379,15 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     stats.too_glossy_share = counts.too_glossy / seen;
     stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
     stats.pixels_edges = view.edges ? static_cast<int>(view.edges->pixels.size()) : 0;
+    if (view.again) {
+        stats.elements = view.again->elementCount();
+        stats.elements_missed_share = view.again->missedShare();
+    }
     return result;
+}
+
+bool usesRecords(Method method) {
+    return method == Method::kRadiance || method == Method::kIrradiance;
 }
 
 // Bytes that so many pixels take, at the most (docs/stability.md).
@@ -388,7 +398,7 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
     constexpr uint64_t kByRays = 320;   // what rays saw and how it is filtered
     constexpr uint64_t kOfEdges = 300;  // where half of the pixels have some, and strays
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
-    if (params.method != Method::kRadiance && params.method != Method::kIrradiance) {
+    if (!usesRecords(params.method)) {
         return kByPaths * pixels;
     }
     std::vector<bool> used(scene.materials.size(), false);
@@ -410,9 +420,13 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
 void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kProgram = uint64_t{128} << 20;
     constexpr uint64_t kPerTriangle = 650;
+    constexpr uint64_t kKept = uint64_t{48} << 20;  // light of more than one bounce
+    constexpr uint64_t kKeptPerTriangle = 28;
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
-    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) +
+    const bool keeps = usesRecords(params.method) && params.bounces > 1;
+    const uint64_t kept = keeps ? kKept + kKeptPerTriangle * scene.triangles.size() : 0;
+    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept +
                           kPerTriangle * scene.triangles.size(),
                  .threads = threadCount()},
                 fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
@@ -452,6 +466,9 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
                 throwUsage(
                     "--environment: records that are rasterised see no sky; use --gather ray");
+            }
+            if (params.gather_road == GatherRoad::kRaster && params.bounces != 1) {
+                throwUsage("--bounces: records that are rasterised have 1; use --gather ray");
             }
             findCamera(scene_, params.camera);  // before anything is made for it
             StageSeconds seconds;

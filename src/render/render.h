@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cache/placement_params.h"
+#include "core/bounces.h"
 #include "glossy/specular_rays.h"
 #include "hemisphere/hemisphere.h"
 #include "image/frame.h"
@@ -43,8 +44,9 @@ struct RenderParams {
     /// size 0: by the accuracy; extent 0: by the kind
     HemisphereParams gather{.size = 0, .extent = 0.0f};
     SpecularParams specular;
+    /// So often light is scattered, at the most, on its way to where it is indirect light.
+    int bounces = kAllBounces;
     // The path tracer, plain and denoised.
-    int bounces = 1;
     int spp = 256;  ///< paths a pixel, over all replicates
     uint32_t seed = 0;
     bool all_layers = false;  ///< also make the layers of `--layers all`
@@ -60,8 +62,8 @@ struct MaterialOrder {
 /// Wall-clock seconds of each stage, over all passes. `total` and `write` are filled in by the
 /// program.
 struct StageSeconds {
-    double total = 0, load = 0, gbuffer = 0, shadow = 0, placement = 0, gather = 0, project = 0,
-           splat = 0, compose = 0, trace = 0, denoise = 0, write = 0;
+    double total = 0, load = 0, gbuffer = 0, shadow = 0, bounces = 0, placement = 0, gather = 0,
+           project = 0, splat = 0, compose = 0, trace = 0, denoise = 0, write = 0;
 };
 
 /// What the program prints and writes as --json.
@@ -85,6 +87,10 @@ struct RenderStats {
     double too_glossy_share = 0;  ///< of pixels_geometry, whose specular light is by rays alone
     int pixels_edges = 0;         ///< that were sampled more than once
     int edge_records = 0;         ///< for what no pixel's middle sees, in the last pass
+    /// At which light of more than one bounce is kept, and for what share of the points that ask
+    /// them none was near (ScatteredAgain).
+    size_t elements = 0;
+    double elements_missed_share = 0;
     std::vector<MaterialOrder> sh_order;
     std::string gl_renderer;      ///< empty where none was used
     double mrays_per_second = 0;  ///< path-traced methods only

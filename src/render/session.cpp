@@ -3,6 +3,8 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "light/direct.h"
+#include "light/place_elements.h"
+#include "rays/jitter.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -25,6 +27,19 @@ template <class Make>
 auto timed(double& stage, const Make& make) {
     const StageTimer timer(stage);
     return make();
+}
+
+// About a thousand receivers, by chance.
+std::vector<ElementSite> someOf(const Scene& scene, const Receivers& receivers) {
+    constexpr double kSome = 1024.0;
+    const double share = kSome / std::max(receivers.counts.seen, 1);
+    std::vector<ElementSite> some;
+    for (size_t i = 0; i < receivers.positions.size(); ++i) {
+        if (receivers.seen(i) && pcgHash(static_cast<uint32_t>(i)) * 0x1p-32 < share) {
+            some.push_back({.side = receivers.sideAt(scene, i), .normal = receivers.normals[i]});
+        }
+    }
+    return some;
 }
 
 }  // namespace
@@ -68,8 +83,8 @@ SceneState::~SceneState() {
 
 // rays -> G-buffer -> receivers -> rays where the cache cannot follow. Direct light comes from rays
 // where records use rays, else from shadow maps.
-ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds,
-                     int veil) {
+ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
+                     const ViewState* ground) {
     const Camera& camera = findCamera(state.scene, params.camera);
     GBuffer gbuffer = timed(seconds.gbuffer, [&] {
         return renderGBuffer(state.tracer, camera, params.width, params.height, veil);
@@ -102,14 +117,21 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         }
     }
     checkSplat(state.pool, receivers);
+    outgoing = ground != nullptr ? ground->outgoing : &*state.outgoing;
+    if (params.bounces > 1 && ground == nullptr) {
+        const StageTimer timer(seconds.bounces);
+        again.emplace(*state.outgoing, placeElements(state.tracer, someOf(state.scene, receivers)),
+                      state.near, params.bounces);
+        outgoing = &*again;
+    }
     const StageTimer timer(seconds.gather);
     if (receivers.anyByRays()) {
-        specular = traceSpecular(*state.outgoing, receivers, params.specular);
+        specular = traceSpecular(*outgoing, receivers, params.specular);
     }
     if (edges && edges->strays.anyByRays()) {
         SpecularParams alone = params.specular;
         alone.pixel_area = false;
-        stray_specular = traceSpecular(*state.outgoing, edges->strays, alone);
+        stray_specular = traceSpecular(*outgoing, edges->strays, alone);
     }
 }
 

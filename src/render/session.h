@@ -7,7 +7,7 @@
 #include "cache/fill.h"
 #include "gl/worker_pool.h"
 #include "glossy/specular_rays.h"
-#include "light/scattered_once.h"
+#include "light/scattered_again.h"
 #include "raster/gpu_scene.h"
 #include "rays/tracer.h"
 #include "receivers/edges.h"
@@ -23,7 +23,7 @@ struct SceneState {
     gl::WorkerPool pool;
     Tracer tracer;
     LampSampler lamps;
-    std::optional<ScatteredOnce> outgoing;  // what rays see
+    std::optional<ScatteredOnce> outgoing;  // what rays see of one bounce
     GpuScene gpu;                           // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
 
@@ -37,6 +37,8 @@ struct SceneState {
 /// Made of a camera once: its pixels as receivers, what of their light records are not asked for,
 /// and the records gathered so far.
 struct ViewState {
+    std::optional<ScatteredAgain> again;      // its own; none of one bounce
+    const OutgoingLight* outgoing = nullptr;  // what rays see
     Receivers receivers;
     Image<SpecularSeen> specular;        // by rays of the pixels' own; empty where none needs them
     std::optional<Edges> edges;          // none where only the pixels' middles count
@@ -46,9 +48,14 @@ struct ViewState {
     Image<float> share;   // of each pixel's light; empty: all of it
     int veils = 0;        // blended surfaces before what is seen, each a view of its own
 
-    /// Of what the camera sees behind all blended surfaces, or, where `veil` is not 0, the so
-    /// manieth of these. Usage error where the camera does not exist.
-    ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil = 0);
+    /// Of what the camera sees behind all blended surfaces. Usage error where the camera does not
+    /// exist.
+    ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds)
+        : ViewState(state, params, seconds, 0, nullptr) {}
+    /// Of the so manieth of these, from 1 on. `ground`, of what is behind them, must outlive it:
+    /// rays see the same.
+    ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
+              const ViewState* ground);
 };
 
 }  // namespace sheen

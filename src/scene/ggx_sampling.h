@@ -31,6 +31,12 @@ inline float maskingSmith(float mu, float alpha) {
     return 2.0f / (1.0f + std::sqrt(1.0f + alpha * alpha * tan2));
 }
 
+/// How dense, over solid angle, the directions are that wo is reflected to by these microfacet
+/// normals: `mu` the cosine of wo, `NoH` of the normal. [Hei18, eq. 17]
+inline float reflectedDensity(float mu, float NoH, float alpha) {
+    return maskingSmith(mu, alpha) * shared::distributionGgx(NoH, alpha) / (4.0f * mu);
+}
+
 /// What a sample by visible normals weighs, the Fresnel factor not included: BRDF times cosine over
 /// the probability of the direction, G2 / G1. `mu` and `NoL`: cosines of wo and of the direction.
 /// [Hei18]

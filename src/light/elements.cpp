@@ -1,0 +1,151 @@
+#include "light/elements.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/directions.h"
+
+namespace sheen {
+namespace {
+
+// Normals that differ more belong to another surface: the other side of a crease.
+constexpr float kSameSurface = 0.8f;
+// So far off the plane between both normals, over the element's reach, lies another surface.
+constexpr float kSamePlane = 0.15f;
+// No point that an element counts for lies farther off its own plane, over its reach: of that on a
+// sphere whose normal differs so much.
+constexpr float kOffSurface = 0.5f;
+
+float offPlane(const vec3& d, const vec3& n, const vec3& other) {
+    return 0.5f * std::abs(glm::dot(d, n + other));
+}
+
+// A hash of 64 bits. [Sta14, "splitmix"]
+uint64_t mix(uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+}  // namespace
+
+int Elements::Element::sector(const vec3& d) const {
+    const float x = glm::dot(d, tangent);
+    const float y = glm::dot(d, bitangent);
+    return (x < 0.0f ? 1 : 0) + (y < 0.0f ? 2 : 0) + (std::abs(x) < std::abs(y) ? 4 : 0);
+}
+
+float Elements::Element::weight(const vec3& p, const vec3& n) const {
+    const float reach = kReach * site.spacing;
+    const vec3 d = p - site.side.position;
+    const float distance2 = glm::dot(d, d);
+    const float cosine = glm::dot(n, site.normal);
+    if (distance2 >= reach * reach || cosine <= kSameSurface ||
+        offPlane(d, n, site.normal) > kSamePlane * reach) {
+        return 0.0f;
+    }
+    const float height = glm::dot(d, site.normal);
+    const float way = free[static_cast<size_t>(sector(d))];
+    if (distance2 - height * height > way * way) {
+        return 0.0f;
+    }
+    const float nearness = 1.0f - std::sqrt(distance2) / reach;
+    return nearness * nearness * (cosine - kSameSurface) / (1.0f - kSameSurface);
+}
+
+uint64_t Elements::keyOf(int level, const vec3& scaled) {
+    // Positions fit: a voxel is no smaller than what floats tell apart.
+    constexpr uint64_t kMask = (uint64_t{1} << 18u) - 1;
+    const auto part = [](float x) {
+        return static_cast<uint64_t>(static_cast<int64_t>(std::floor(x))) & kMask;
+    };
+    return (static_cast<uint64_t>(level + 512) << 54u) | (part(scaled.x) << 36u) |
+           (part(scaled.y) << 18u) | part(scaled.z);
+}
+
+size_t Elements::slotOf(uint64_t key) const {
+    const size_t mask = voxels_.size() - 1;
+    size_t slot = mix(key) & mask;
+    while (voxels_[slot].first != kNone && voxels_[slot].key != key) {
+        slot = (slot + 1) & mask;
+    }
+    return slot;
+}
+
+void Elements::enter(uint64_t key, uint32_t element) {
+    if (2 * filled_ >= voxels_.size()) {
+        std::vector<Voxel> old(2 * voxels_.size());
+        old.swap(voxels_);
+        for (const Voxel& voxel : old) {
+            if (voxel.first != kNone) {
+                voxels_[slotOf(voxel.key)] = voxel;
+            }
+        }
+    }
+    Voxel& voxel = voxels_[slotOf(key)];
+    filled_ += voxel.first == kNone ? 1 : 0;
+    links_.push_back({.element = element, .next = voxel.first});
+    voxel = {.key = key, .first = static_cast<uint32_t>(links_.size() - 1)};
+}
+
+bool Elements::lacks(const ElementSite& site) const {
+    bool lacking = true;
+    forEachIn(site.side.position, [&](size_t i) {
+        const Element& e = elements_[i];
+        const vec3 d = site.side.position - e.site.side.position;
+        lacking &= glm::dot(d, d) >= e.site.spacing * e.site.spacing ||
+                   e.weight(site.side.position, site.normal) <= 0.0f;
+    });
+    return lacking;
+}
+
+void Elements::add(const ElementSite& site) {
+    const mat3 frame = tangentFrame(site.normal);
+    Element element{.site = site, .tangent = frame[0], .bitangent = frame[1], .free = {}};
+    element.free.fill(std::numeric_limits<float>::infinity());
+    elements_.push_back(element);
+    index(elements_.size() - 1);
+}
+
+void Elements::index(size_t i) {
+    const ElementSite& site = elements_[i].site;
+    const float reach = kReach * site.spacing;
+    const int level = std::ilogb(reach);
+    const float scale = std::ldexp(1.0f, -level);
+    const vec3 lower = glm::floor((site.side.position - reach) * scale);
+    const vec3 upper = glm::floor((site.side.position + reach) * scale);
+    for (float z = lower.z; z <= upper.z; ++z) {
+        for (float y = lower.y; y <= upper.y; ++y) {
+            for (float x = lower.x; x <= upper.x; ++x) {
+                // Nothing of its surface's plane lies in the others.
+                const vec3 middle = (vec3(x, y, z) + 0.5f) / scale - site.side.position;
+                if (std::abs(glm::dot(middle, site.normal)) <=
+                    kOffSurface * reach + 0.87f / scale) {
+                    enter(keyOf(level, vec3(x, y, z)), static_cast<uint32_t>(i));
+                }
+            }
+        }
+    }
+    const auto place = std::lower_bound(levels_.begin(), levels_.end(), level);
+    if (place == levels_.end() || *place != level) {
+        levels_.insert(place, level);
+    }
+}
+
+void Elements::reindex() {
+    std::fill(voxels_.begin(), voxels_.end(), Voxel{});
+    filled_ = 0;
+    links_.clear();
+    levels_.clear();
+    for (size_t i = 0; i < elements_.size(); ++i) {
+        index(i);
+    }
+}
+
+void Elements::know(size_t i, const Ways& free, float spacing) {
+    elements_[i].free = free;
+    elements_[i].site.spacing = std::min(elements_[i].site.spacing, spacing);
+}
+
+}  // namespace sheen

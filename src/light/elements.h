@@ -1,0 +1,101 @@
+// Points spread over surfaces, at which something that varies smoothly along them is kept, and how
+// it is interpolated between them.
+// Based on: [WRC88] for the weights; what hides a point from an element's neighbourhood is what the
+// element's own rays met.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "rays/surface_point.h"
+
+namespace sheen {
+
+/// Where an element lies, or may lie.
+struct ElementSite {
+    SurfaceSide side;
+    vec3 normal;        ///< smooth shading normal, unit, on that side
+    float spacing = 0;  ///< to the next one that there should be
+};
+
+/// Safe to read from many threads.
+class Elements {
+  public:
+    /// How far an element counts, over its spacing.
+    static constexpr float kReach = 1.5f;
+    /// Around its normal an element knows the way to what stands on its surface by so many sectors.
+    static constexpr int kSectors = 8;
+    using Ways = std::array<float, kSectors>;
+
+    size_t size() const { return elements_.size(); }
+    const ElementSite& site(size_t i) const { return elements_[i].site; }
+
+    /// Whether there should be one more: none is closer to the site than its spacing.
+    bool lacks(const ElementSite& site) const;
+    /// Of all of them at least as far apart as that.
+    void add(const ElementSite& site);
+    /// Of element i: in its plane nothing stands nearer than `free`, by sector(), and others should
+    /// lie no farther off than `spacing`. Counts for all of it from reindex() on.
+    void know(size_t i, const Ways& free, float spacing);
+    void reindex();
+    /// That of a direction from the element.
+    int sector(size_t i, const vec3& direction) const { return elements_[i].sector(direction); }
+
+    /// Calls body(element, weight) for those that say something of a point with the unit normal n,
+    /// weights above 0, not normalised.
+    template <class F>
+    void around(const vec3& p, const vec3& n, const F& body) const {
+        forEachIn(p, [&](size_t i) {
+            const float weight = elements_[i].weight(p, n);
+            if (weight > 0.0f) {
+                body(i, weight);
+            }
+        });
+    }
+
+  private:
+    static constexpr uint32_t kNone = ~0u;
+
+    struct Element {
+        ElementSite site;
+        vec3 tangent, bitangent;
+        Ways free;
+
+        int sector(const vec3& d) const;
+        float weight(const vec3& p, const vec3& n) const;
+    };
+    // A voxel's elements are a list in links_; voxels, of sizes that are powers of two, are found
+    // by open addressing.
+    struct Voxel {
+        uint64_t key = 0;
+        uint32_t first = kNone;  // link; kNone: the slot is free
+    };
+    struct Link {
+        uint32_t element, next;
+    };
+    void index(size_t i);
+    static uint64_t keyOf(int level, const vec3& scaled);
+    size_t slotOf(uint64_t key) const;
+    void enter(uint64_t key, uint32_t element);
+
+    template <class F>
+    void forEachIn(const vec3& p, const F& body) const {
+        for (const int level : levels_) {
+            const Voxel& voxel = voxels_[slotOf(keyOf(level, p * std::ldexp(1.0f, -level)))];
+            for (uint32_t link = voxel.first; link != kNone; link = links_[link].next) {
+                body(links_[link].element);
+            }
+        }
+    }
+
+    std::vector<Element> elements_;
+    std::vector<int> levels_;  // of voxels that there are: their size is 2^level
+    std::vector<Voxel> voxels_ = std::vector<Voxel>(64);
+    size_t filled_ = 0;
+    std::vector<Link> links_;
+};
+
+}  // namespace sheen

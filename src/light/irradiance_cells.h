@@ -1,0 +1,92 @@
+// Irradiance on small cells of triangles, found where it is first asked for and kept.
+#pragma once
+
+#include <atomic>
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "light/triangle_grid.h"
+#include "rays/tracer.h"
+
+namespace sheen {
+
+/// Safe to use from many threads: whichever asks first, a cell says the same.
+class IrradianceCells {
+  public:
+    /// `near`: as LightCells has them.
+    IrradianceCells(const Scene& scene, const std::vector<Bounds>& near);
+
+    /// Where a ray that stands for `area` hit: what find(uv), an optional, says of the middle of
+    /// the cell, at these barycentric coordinates, or, where cells are larger than the area by
+    /// much, of the hit itself. Whichever find() asks first for a cell must be as good as any
+    /// other.
+    template <class Find>
+    std::optional<vec3> at(const Hit& hit, float area, const Find& find) const {
+        const Triangle& triangle = triangles_[hit.triangle];
+        if (triangle.cell_area > kLargestOfRay * area) {
+            return find(vec2(hit.u, hit.v));
+        }
+        const Place place = placeOf(hit);
+        std::atomic<uint64_t>& cell = cells_[place.cell];
+        uint64_t packed = cell.load(std::memory_order_relaxed);
+        if (packed == kUnknown) {
+            const std::optional<vec3> found = find(place.middle);
+            packed = found ? pack(*found) : kNothing;
+            cell.store(packed, std::memory_order_relaxed);
+        }
+        return packed == kNothing ? std::nullopt : std::optional(unpack(packed));
+    }
+    /// Cells lie anywhere in memory: by the time that one is read, it has arrived.
+    void prefetch(const Hit& hit) const { __builtin_prefetch(&cells_[placeOf(hit).cell]); }
+
+  private:
+    static constexpr float kLargestOfRay = 16.0f;
+    // No numbers: bits beyond those of three channels.
+    static constexpr uint64_t kUnknown = ~uint64_t{0};
+    static constexpr uint64_t kNothing = kUnknown - 1;
+    // Of each channel the 21 leading bits, the sign left out: 13 of its mantissa.
+    static constexpr int kBits = 21;
+    static constexpr int kCut = 10;
+
+    static uint64_t pack(const vec3& irradiance) {
+        uint64_t packed = 0;
+        for (int channel = 0; channel < 3; ++channel) {
+            const uint64_t bits = (std::bit_cast<uint32_t>(std::max(irradiance[channel], 0.0f)) +
+                                   (1u << (kCut - 1))) >>
+                                  kCut;
+            packed |= bits << (kBits * channel);
+        }
+        return packed;
+    }
+    static vec3 unpack(uint64_t packed) {
+        vec3 irradiance;
+        for (int channel = 0; channel < 3; ++channel) {
+            const auto bits =
+                static_cast<uint32_t>(packed >> (kBits * channel)) & ((1u << kBits) - 1);
+            irradiance[channel] = std::bit_cast<float>(bits << kCut);
+        }
+        return irradiance;
+    }
+
+    using Place = TriangleGrid::Place;
+    Place placeOf(const Hit& hit) const {
+        const Triangle& triangle = triangles_[hit.triangle];
+        const TriangleGrid grid{triangle.n};
+        Place place = grid.placeOf(hit.u, hit.v);
+        place.cell += triangle.first + (hit.back ? static_cast<uint32_t>(grid.cellCount()) : 0);
+        return place;
+    }
+
+    struct Triangle {
+        uint32_t first;  // cell of its front; those of its back follow
+        uint32_t n;      // an edge is divided so often
+        float cell_area;
+    };
+    std::vector<Triangle> triangles_;
+    std::unique_ptr<std::atomic<uint64_t>[]> cells_;
+};
+
+}  // namespace sheen

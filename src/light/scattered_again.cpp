@@ -1,0 +1,393 @@
+#include "light/scattered_again.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "core/directions.h"
+#include "core/parallel.h"
+#include "light/place_elements.h"
+#include "rays/jitter.h"
+#include "scene/brdf_albedo.h"
+#include "scene/ggx_sampling.h"
+
+namespace sheen {
+namespace {
+
+// Rays of an element.
+constexpr int kRows = 16, kColumns = 16;
+
+// A way goes on from so many surfaces at most. The lobe of the last counts as if diffuse.
+constexpr int kMostFollowed = 8;
+// It goes on by chance, by so much more often than by the share of light that is reflected: the
+// fewer ways, the more each counts, and the more noise there is.
+constexpr float kOftener = 1.5f;
+
+// What a way that goes on stands for, at the most: highlights seen over it are as wide as that.
+// Were it all of what is reflected there, they would be too wide to send on all of their light.
+constexpr float kWidest = 0.1f;
+
+// Steps of the solution end where it changes by less than this share of itself, or after so many.
+constexpr double kDone = 1e-4;
+constexpr int kMostSteps = 2000;
+
+// Different random numbers of one hit.
+enum Use : uint32_t { kWhether = 2, kWhere, kWhetherDiffuse, kWhereDiffuse, kWhich };
+
+// What a place says, and no count of places before it.
+uint32_t seedOf(const Hit& hit) {
+    return pcgHash(hit.triangle + pcgHash(std::bit_cast<uint32_t>(hit.u) +
+                                          pcgHash(std::bit_cast<uint32_t>(hit.v))));
+}
+
+// Ways that go on, together.
+struct Ways {
+    std::vector<size_t> of;  // ray
+    std::vector<vec3> weights;
+    std::vector<vec3> origins, directions;
+    std::vector<float> solid_angles;
+
+    Rays rays(size_t first, size_t count) const {
+        return Rays{.directions = directions, .solid_angles = solid_angles, .origins = origins}
+            .part(first, count);
+    }
+    void add(size_t ray, const vec3& weight, const vec3& origin, const vec3& direction,
+             float solid_angle) {
+        of.push_back(ray);
+        weights.push_back(weight);
+        origins.push_back(origin);
+        directions.push_back(direction);
+        solid_angles.push_back(solid_angle);
+    }
+};
+
+}  // namespace
+
+// What a ray meets, and what scatters light there.
+struct ScatteredAgain::Point {
+    const Hit& hit;
+    vec3 wo;
+    bool lambertian;
+    // Of what is not.
+    vec3 diffuse{0.0f};  // reflectance toward wo
+    vec3 specular_albedo{0.0f};
+    Brdf brdf{};
+    vec3 n{0.0f};
+
+    Point(const Scene& scene, const Hit& hit_, const vec3& wo_)
+        : hit(hit_),
+          wo(wo_),
+          lambertian(isLambertian(scene.materials[scene.materials_of[hit.triangle]].params)) {
+        if (lambertian) {
+            return;
+        }
+        const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, wo, hit.distance);
+        const MaterialParams params = materialAt(scene, p.triangle, p.barycentric);
+        n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, wo).mapped;
+        const vec2 albedo = brdfAlbedo(glm::dot(n, wo), params.roughness);
+        brdf = shared::makeBrdf(params, albedo);
+        diffuse = brdf.diffuse;
+        specular_albedo = brdf.f0 * albedo.x + vec3(brdf.f90 * albedo.y);
+    }
+    // What of the irradiance at barycentric coordinates uv of its triangle is reflected, but for
+    // what a lobe that is not lambertian makes of it.
+    vec3 albedoAt(const Scene& scene, const vec2& uv) const {
+        return materialAt(scene, hit.triangle, vec3(1.0f - uv.x - uv.y, uv)).base_color;
+    }
+    vec3 albedo(const Scene& scene) const {
+        return lambertian ? albedoAt(scene, vec2(hit.u, hit.v)) : diffuse;
+    }
+    ElementSite site(const Scene& scene) const {
+        return elementSiteAt(scene, hit, vec2(hit.u, hit.v), wo);
+    }
+
+    // Goes on along the lobe, by chance.
+    void followLobe(const Scene& scene, size_t ray, const vec3& weight, Ways& ways) const {
+        const float chance = std::min(kOftener * luminance(weight * specular_albedo), 1.0f);
+        const uint32_t seed = seedOf(hit);
+        if (randomPlace(seed, kWhether).x >= chance) {
+            return;
+        }
+        const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, wo, hit.distance);
+        const mat3 frame = tangentFrame(n);
+        const vec3 wo_local = glm::transpose(frame) * wo;
+        const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
+        const vec3 h = sampleGgxVisibleNormal(wo_local, brdf.alpha, randomPlace(seed, kWhere));
+        const float VoH = glm::dot(wo_local, h);
+        const vec3 wi = 2.0f * VoH * h - wo_local;
+        const vec3 direction = glm::normalize(frame * wi);
+        if (wi.z <= 0.0f || VoH <= 0.0f || glm::dot(direction, p.n_g) <= 0.0f) {
+            return;
+        }
+        const vec3 fresnel = brdf.f0 + (vec3(brdf.f90) - brdf.f0) * shared::schlickWeight(VoH);
+        const float density = reflectedDensity(NoV, h.z, brdf.alpha);
+        ways.add(ray, weight * fresnel * (visibleNormalWeight(NoV, wi.z, brdf.alpha) / chance),
+                 p.eye(scene), direction, std::min(1.0f / std::max(density, 1e-12f), kWidest));
+    }
+    // And by the cosine.
+    void followDiffuse(const Scene& scene, size_t ray, const vec3& weight, Ways& ways) const {
+        const vec3 reflected = weight * albedo(scene);
+        const float chance = std::min(kOftener * luminance(reflected), 1.0f);
+        const uint32_t seed = seedOf(hit);
+        if (randomPlace(seed, kWhetherDiffuse).x >= chance) {
+            return;
+        }
+        const ElementSite from = site(scene);
+        const vec3 direction = glm::normalize(tangentFrame(from.normal) *
+                                              cosineDirection(randomPlace(seed, kWhereDiffuse)));
+        if (glm::dot(direction, from.side.n_g) > 0.0f) {
+            ways.add(ray, reflected / chance, from.side.start(), direction, kWidest);
+        }
+    }
+};
+
+// The elements that say what is kept at a point, and by which weights. They add up to one, and some
+// may be negative: they are those of a plane fitted to the values around. Where elements lie on one
+// side, as along a wall, their mean would be the light of a place farther off.
+struct ScatteredAgain::Neighbours {
+    static constexpr size_t kMost = 64;
+    size_t count = 0;
+    std::array<uint32_t, kMost> elements;
+    std::array<float, kMost> weights;
+};
+
+// The irradiance of an element: of the light that its rays see at once, and sums of weights times
+// irradiances of others.
+struct ScatteredAgain::Equation {
+    struct Term {
+        uint32_t element;
+        int followed;
+        vec3 weight;
+    };
+    std::vector<vec3> light;  // [rays followed]
+    std::vector<Term> terms;
+};
+
+ScatteredAgain::ScatteredAgain(const ScatteredOnce& once, Elements elements,
+                               const std::vector<Bounds>& near, int bounces)
+    : OutgoingLight(once.tracer()),
+      once_(once),
+      bounces_(bounces),
+      elements_(std::move(elements)),
+      cells_(scene(), near) {
+    std::vector<Equation> equations(elements_.size());
+    parallelFor(static_cast<int>(equations.size()), [&](int i) {
+        const auto k = static_cast<size_t>(i);
+        equations[k] = equationOf(k);
+    });
+    solve(equations);
+}
+
+int ScatteredAgain::mostFollowed() const { return std::min(kMostFollowed, bounces_ - 1); }
+
+// Where a ray meets a surface one of the elements around is asked, by chance, each as often as it
+// counts: there are many rays.
+ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
+    constexpr float kEach = kPi / (kRows * kColumns);
+    const ElementSite& site = elements_.site(element);
+    const Looks looks(site, kRows, kColumns, static_cast<uint32_t>(element));
+    const Rays all{.origin = site.side.start(),
+                   .directions = looks.directions,
+                   .solid_angles = looks.solid_angles};
+    Equation result{.light = std::vector<vec3>(static_cast<size_t>(mostFollowed()) + 1),
+                    .terms = {}};
+    for (size_t first = 0; first < looks.directions.size(); first += kTogether) {
+        const size_t count = std::min(kTogether, looks.directions.size() - first);
+        const Rays rays = all.part(first, count);
+        Hit hits[kTogether];
+        vec3 light[kTogether];
+        tracer().meet(rays, hits);
+        once_.radiance(rays, {hits, count}, light);
+        for (size_t i = 0; i < count; ++i) {
+            // The sky's light, as that of lamps, is added where rays meet surfaces.
+            result.light[0] += hits[i].found() ? kEach * light[i] : vec3(0.0f);
+        }
+        const auto add = [&](size_t, int followed, const vec3& radiance) {
+            result.light[static_cast<size_t>(followed)] += kEach * radiance;
+        };
+        const auto ask = [&](size_t, int followed, const Point& q, const vec3& weight,
+                             const vec3& lobe) {
+            const ElementSite at = q.site(scene());
+            const Neighbours near = neighbours(at.side.position, at.normal);
+            float sum = 0.0f;
+            for (size_t k = 0; k < near.count; ++k) {
+                sum += std::abs(near.weights[k]);
+            }
+            float u = sum * randomPlace(seedOf(q.hit), kWhich).x;
+            for (size_t k = 0; k < near.count; ++k) {
+                const float w = near.weights[k];
+                u -= std::abs(w);
+                if (u < 0.0f || k + 1 == near.count) {
+                    result.terms.push_back({.element = near.elements[k],
+                                            .followed = followed,
+                                            .weight = kEach / kPi * std::copysign(sum, w) * weight *
+                                                      (q.albedo(scene()) + lobe)});
+                    break;
+                }
+            }
+            return near.count > 0;
+        };
+        follow(rays, {hits, count}, add, ask);
+    }
+    return result;
+}
+
+// Step k finds the irradiance of light that is scattered k times at the most from that of light
+// scattered less often, until all bounces asked for are there or nothing changes any more.
+void ScatteredAgain::solve(std::span<const Equation> equations) {
+    const auto ways = static_cast<size_t>(mostFollowed()) + 1;
+    kept_.assign(ways, std::vector<vec3>(equations.size(), vec3(0.0f)));
+    for (int k = 1; k < bounces_ && k <= kMostSteps; ++k) {
+        std::vector<vec3> next(equations.size(), vec3(0.0f));
+        double change = 0.0, all = 0.0;
+        for (size_t i = 0; i < equations.size(); ++i) {
+            for (size_t followed = 0; followed < ways && followed < static_cast<size_t>(k);
+                 ++followed) {
+                next[i] += equations[i].light[followed];
+            }
+            for (const Equation::Term& term : equations[i].terms) {
+                next[i] += term.weight * kept_[static_cast<size_t>(term.followed)][term.element];
+            }
+            change += luminance(glm::abs(next[i] - kept_[0][i]));
+            all += luminance(next[i]);
+        }
+        kept_.pop_back();
+        kept_.insert(kept_.begin(), std::move(next));
+        if (change <= kDone * all) {
+            return;
+        }
+    }
+}
+
+// Goes on from what rays meet. Calls ask(ray, rays followed, point, weight) for each surface, the
+// first ones among them: by that weight the irradiance that is kept there arrives as radiance;
+// where it returns false, nothing is kept. And light(ray, rays followed, radiance) for what lights
+// do to the surfaces after the first ones.
+template <class Light, class Ask>
+void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const Light& light,
+                            const Ask& ask) const {
+    const int most = mostFollowed();
+    const auto goOn = [&](const Hit& hit, const vec3& wo, size_t ray, int followed,
+                          const vec3& weight, Ways& next) {
+        const Point q(scene(), hit, wo);
+        const bool last = followed == most;
+        const bool known = ask(ray, followed, q, weight, last ? q.specular_albedo : vec3(0.0f));
+        if (!last && !known) {
+            q.followDiffuse(scene(), ray, weight, next);
+        }
+        if (!last && q.specular_albedo != vec3(0.0f)) {
+            q.followLobe(scene(), ray, weight, next);
+        }
+    };
+    Ways next;
+    for (size_t i = 0; i < hits.size(); ++i) {
+        if (hits[i].found()) {
+            goOn(hits[i], -rays.directions[i], i, 0, vec3(1.0f), next);
+        }
+    }
+    for (int followed = 1; !next.of.empty(); ++followed) {
+        const Ways ways = std::exchange(next, {});
+        for (size_t first = 0; first < ways.of.size(); first += kTogether) {
+            const size_t count = std::min(kTogether, ways.of.size() - first);
+            const Rays cast = ways.rays(first, count);
+            Hit met[kTogether];
+            vec3 seen[kTogether];
+            tracer().meet(cast, met);
+            once_.radiance(cast, {met, count}, seen);
+            for (size_t i = 0; i < count; ++i) {
+                // Lamps and the sky have already lit the surface that the way comes from.
+                if (met[i].found()) {
+                    const vec3& weight = ways.weights[first + i];
+                    light(ways.of[first + i], followed, weight * seen[i]);
+                    goOn(met[i], -cast.directions[i], ways.of[first + i], followed, weight, next);
+                }
+            }
+        }
+    }
+}
+
+ScatteredAgain::Neighbours ScatteredAgain::neighbours(const vec3& p, const vec3& n) const {
+    // Of the fit: keeps it from following chance where elements are few, or lie on a line.
+    constexpr float kStiffness = 0.02f;
+    const mat3 frame = tangentFrame(n);
+    Neighbours near;
+    std::array<vec2, Neighbours::kMost> places;  // in the plane
+    float sum = 0.0f, spread = 0.0f;
+    elements_.around(p, n, [&](size_t i, float weight) {
+        if (near.count < Neighbours::kMost) {
+            places[near.count] = vec2((elements_.site(i).side.position - p) * frame);
+            near.elements[near.count] = static_cast<uint32_t>(i);
+            near.weights[near.count] = weight;
+            sum += weight;
+            spread += weight * glm::dot(places[near.count], places[near.count]);
+            ++near.count;
+        }
+    });
+    if (near.count == 0) {
+        return near;
+    }
+    const float unit = spread > 0.0f ? std::sqrt(sum / spread) : 1.0f;
+    mat3 normal(0.0f);
+    for (size_t k = 0; k < near.count; ++k) {
+        const vec3 one(1.0f, unit * places[k]);
+        normal += glm::outerProduct(one, one) * (near.weights[k] / sum);
+    }
+    normal[1][1] += kStiffness;
+    normal[2][2] += kStiffness;
+    const vec3 plane = glm::inverse(normal)[0];
+    for (size_t k = 0; k < near.count; ++k) {
+        near.weights[k] *= glm::dot(plane, vec3(1.0f, unit * places[k])) / sum;
+    }
+    return near;
+}
+
+std::optional<vec3> ScatteredAgain::irradiance(const ElementSite& at, int followed) const {
+    const std::vector<vec3>& kept = kept_[static_cast<size_t>(followed)];
+    const Neighbours near = neighbours(at.side.position, at.normal);
+    vec3 sum(0.0f);
+    for (size_t k = 0; k < near.count; ++k) {
+        sum += near.weights[k] * kept[near.elements[k]];
+    }
+    return near.count > 0 ? std::optional(glm::max(sum, vec3(0.0f))) : std::nullopt;
+}
+
+void ScatteredAgain::radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const {
+    for (const Hit& hit : hits) {
+        if (hit.found()) {
+            cells_.prefetch(hit);
+        }
+    }
+    once_.radiance(rays, hits, radiance);
+    int64_t asked = 0, missed = 0;
+    follow(
+        rays, hits, [&](size_t ray, int, const vec3& light) { radiance[ray] += light; },
+        [&](size_t ray, int followed, const Point& q, const vec3& weight, const vec3& lobe) {
+            // Of a Lambertian surface what is reflected is kept, textures included.
+            const auto find = [&](const vec2& uv) {
+                const auto kept = irradiance(elementSiteAt(scene(), q.hit, uv, q.wo), followed);
+                return kept && q.lambertian ? std::optional(*kept * q.albedoAt(scene(), uv)) : kept;
+            };
+            // Cells keep what is asked for where rays meet a surface first.
+            const float area = rays.solidAngle(ray) * q.hit.distance * q.hit.distance;
+            const std::optional<vec3> kept = followed == 0 || bounces_ == kAllBounces
+                                                 ? cells_.at(q.hit, area, find)
+                                                 : find(vec2(q.hit.u, q.hit.v));
+            ++asked;
+            if (!kept) {
+                ++missed;
+                return false;
+            }
+            radiance[ray] += weight / kPi * *kept * (q.lambertian ? vec3(1.0f) : q.diffuse + lobe);
+            return true;
+        });
+    asked_.fetch_add(asked, std::memory_order_relaxed);
+    missed_.fetch_add(missed, std::memory_order_relaxed);
+}
+
+double ScatteredAgain::missedShare() const {
+    return static_cast<double>(missed_) / static_cast<double>(std::max<int64_t>(asked_, 1));
+}
+
+}  // namespace sheen

@@ -1,0 +1,182 @@
+// Light scattered more than once, against closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/bounces.h"
+#include "core/directions.h"
+#include "core/parallel.h"
+#include "light/place_elements.h"
+#include "light/scattered_again.h"
+#include "rays/jitter.h"
+#include "test_scenes.h"
+
+namespace sheen {
+namespace {
+
+// Points of the surfaces that are seen from `eye`, in all directions: light is looked for there.
+std::vector<ElementSite> seenFrom(const Tracer& tracer, const vec3& eye, int count) {
+    std::vector<ElementSite> sites;
+    for (int i = 0; i < count; ++i) {
+        const vec2 u = randomPlace(static_cast<uint32_t>(i), 0);
+        vec3 d = cosineDirection(u);
+        d.z *= i % 2 == 0 ? 1.0f : -1.0f;
+        Hit hit;
+        tracer.meet({.origin = eye, .directions = {&d, 1}}, &hit);
+        if (hit.found()) {
+            sites.push_back(elementSiteAt(tracer.scene(), hit, vec2(hit.u, hit.v), -d));
+        }
+    }
+    return sites;
+}
+
+struct Lit {
+    Tracer tracer;
+    ScatteredOnce once;
+    ScatteredAgain again;
+
+    Lit(const Scene& scene, const vec3& eye, int bounces)
+        : tracer(scene),
+          once(tracer),
+          again(once, placeElements(tracer, seenFrom(tracer, eye, 256)), {}, bounces) {}
+};
+
+// What arrives from all around, mean over 1024 directions of cones as wide as records' rays.
+vec3 meanRadiance(const OutgoingLight& light, const vec3& eye) {
+    constexpr int kCount = 1024;
+    std::vector<vec3> directions;
+    for (uint32_t i = 0; i < kCount; ++i) {
+        const vec2 u = randomPlace(i, 7);
+        const float z = 2.0f * u.x - 1.0f;
+        const float r = std::sqrt(1.0f - z * z);
+        directions.push_back(
+            glm::normalize(vec3(r * std::cos(2 * kPi * u.y), r * std::sin(2 * kPi * u.y), z)));
+    }
+    const std::vector<float> solid_angles(kCount, 0.01f);
+    std::vector<vec4> seen(kCount);
+    light.cast({.origin = eye, .directions = directions, .solid_angles = solid_angles},
+               seen.data());
+    vec3 sum(0.0f);
+    for (const vec4& s : seen) {
+        sum += vec3(s);
+    }
+    return sum / static_cast<float>(kCount);
+}
+
+// A diffuse sphere with a light at its centre: every bounce arrives alike everywhere, a constant
+// share of the one before.
+Scene sphereRoom(float albedo) {
+    Scene scene;
+    addSphere(scene, vec3(0.0f), 2.0f, 48, addMaterial(scene, diffuseParams(vec3(albedo))));
+    scene.lights.push_back(pointLight(vec3(0.0f), vec3(3.0f)));
+    return scene;
+}
+
+constexpr double kMeshError = 4e-3;  // of 48 rings, over all bounces
+
+TEST(ScatteredAgain, AddsUpTheBouncesInASphere) {
+    const vec3 eye(0.4f, 0.3f, -0.2f);
+    for (const float albedo : {0.5f, 0.8f, 0.95f}) {
+        const Scene scene = sphereRoom(albedo);
+        for (const int bounces : {2, 3, kAllBounces}) {
+            const Lit lit(scene, eye, bounces);
+            const double once = meanRadiance(lit.once, eye).y;
+            const double series = bounces == kAllBounces ? 1.0 / (1.0 - albedo)
+                                                         : (1.0 - std::pow(albedo, bounces)) /
+                                                               (1.0 - static_cast<double>(albedo));
+            const double slope = 1.0 / (1.0 - albedo);  // errors of each bounce add up
+            EXPECT_NEAR(meanRadiance(lit.again, eye).y, once * series,
+                        once * series * kMeshError * std::min(slope, 4.0))
+                << "albedo " << albedo << ", bounces " << bounces;
+            EXPECT_LT(lit.again.missedShare(), 0.02);
+        }
+    }
+}
+
+// Where no elements are, ways go on, and bring the same light.
+TEST(ScatteredAgain, FindsTheSameWithoutElements) {
+    const vec3 eye(0.4f, 0.3f, -0.2f);
+    const Scene scene = sphereRoom(0.5f);
+    const Tracer tracer(scene);
+    const ScatteredOnce once(tracer);
+    const ScatteredAgain again(once, Elements(), {}, 3);
+    constexpr double kNoise = 0.02;  // 4 standard errors
+    const double expected = meanRadiance(once, eye).y * 1.75;
+    EXPECT_NEAR(meanRadiance(again, eye).y, expected, kNoise * expected);
+    EXPECT_EQ(again.missedShare(), 1.0);
+}
+
+// A wall without thickness parts a lit room from one that no light enters.
+TEST(ScatteredAgain, DoesNotLeakThroughAThinWall) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.8f)));
+    addBox(scene, vec3(-2, -1, -1), vec3(2, 1, 1), white, true);
+    addQuad(scene, vec3(0, -1, -1), vec3(0, 2, 0), vec3(0, 0, 2), white);
+    scene.lights.push_back(pointLight(vec3(-1, 0, 0), vec3(1.0f)));
+    const vec3 lit_eye(-0.8f, 0.2f, 0.1f), dark_eye(0.9f, -0.1f, 0.2f);
+    const Tracer tracer(scene);
+    const ScatteredOnce once(tracer);
+    // Elements of both rooms, on both sides of the wall and of what it stands on.
+    std::vector<ElementSite> seen = seenFrom(tracer, lit_eye, 256);
+    const std::vector<ElementSite> others = seenFrom(tracer, dark_eye, 256);
+    seen.insert(seen.end(), others.begin(), others.end());
+    const ScatteredAgain again(once, placeElements(tracer, seen), {}, kAllBounces);
+    EXPECT_GT(meanRadiance(again, lit_eye).y, 2.0f * meanRadiance(once, lit_eye).y);
+    // An element knows of walls what it sees of them in a hundred directions.
+    constexpr float kLeak = 1e-3f;
+    EXPECT_LT(meanRadiance(again, dark_eye).y, kLeak * meanRadiance(again, lit_eye).y);
+}
+
+// Amid light that is the same everywhere a mirror shows that light.
+TEST(ScatteredAgain, AMirrorShowsTheRoom) {
+    Scene scene = sphereRoom(0.8f);
+    const uint32_t mirror = addMaterial(scene, glossyParams(vec3(1.0f), 1.0f, 0.1f));
+    addQuad(scene, vec3(1.5f, -0.4f, -0.4f), vec3(0, 0.8f, 0), vec3(0, 0, 0.8f), mirror);
+    const vec3 eye(0.4f, 0.3f, -0.2f);
+    const Lit lit(scene, eye, kAllBounces);
+    const auto see = [&](const OutgoingLight& light, const vec3& d) {
+        vec4 seen;
+        light.cast({.origin = eye, .directions = {&d, 1}}, &seen);
+        return seen.y;
+    };
+    double shown = 0.0, wall = 0.0;
+    constexpr int kCount = 256;
+    for (uint32_t i = 0; i < kCount; ++i) {
+        const vec2 u = 0.5f * randomPlace(i, 3) - 0.25f;
+        // But for what the light itself does to the mirror.
+        const vec3 d = glm::normalize(vec3(1.5f, u) - eye);
+        shown += (see(lit.again, d) - see(lit.once, d)) / kCount;
+        wall += see(lit.again, glm::normalize(vec3(-1.5f, u) - eye)) / kCount;
+    }
+    // What the mirror hides of the sphere behind it, and shadows, is not quite as bright.
+    constexpr double kTolerance = 0.08;
+    EXPECT_NEAR(shown, wall, kTolerance * wall);
+}
+
+TEST(ScatteredAgain, DoesNotDependOnThreads) {
+    const Scene scene = glossyRoom();
+    const vec3 eye(0.1f, 0.2f, 0.3f);
+    const int threads = threadCount();
+    std::vector<vec3> means;
+    for (const int count : {1, 4}) {
+        setThreadCount(count);
+        const Lit lit(scene, eye, kAllBounces);
+        means.push_back(meanRadiance(lit.again, eye));
+    }
+    setThreadCount(threads);
+    EXPECT_EQ(means[0], means[1]);
+}
+
+// Nothing is there, or nothing shines.
+TEST(ScatteredAgain, HasNothingToAddWhereNothingShines) {
+    Scene scene = sphereRoom(0.8f);
+    scene.lights.clear();
+    const Lit dark(scene, vec3(0.0f), kAllBounces);
+    EXPECT_EQ(meanRadiance(dark.again, vec3(0.0f)), vec3(0.0f));
+    const Tracer tracer(scene);
+    EXPECT_EQ(placeElements(tracer, {}).size(), 0u);
+}
+
+}  // namespace
+}  // namespace sheen
