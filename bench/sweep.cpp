@@ -41,6 +41,7 @@ const std::map<std::string, Setter> kSetters = {
     {"batch", [](RenderParams& p, float v) { p.placement.batch = static_cast<int>(v); }},
     {"stride", [](RenderParams& p, float v) { p.placement.coarsest_stride = static_cast<int>(v); }},
     {"sh_order", [](RenderParams& p, float v) { p.sh_order = static_cast<int>(v); }},
+    {"aa", [](RenderParams& p, float v) { p.aa = static_cast<int>(v); }},
     {"target_error", [](RenderParams& p, float v) { p.target_error = v; }},
     {"size", [](RenderParams& p, float v) { p.gather.size = static_cast<int>(v); }},
     {"extent", [](RenderParams& p, float v) { p.gather.extent = v; }},

@@ -117,11 +117,10 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
             ->check(CLI::IsMember(keysOf(kTones)))
             ->capture_default_str();
     o.aa_option = app.add_option("--aa", o.params.aa,
-                                 fmt::format("radiance and irradiance by rays, reference: samples "
-                                             "of a pixel with edges, 1 (its middle alone), 2, 4, "
-                                             "8, 16, 32 or 64; default: {}, of what has no such "
-                                             "samples 1; the reference sees the whole pixel from "
-                                             "2 on",
+                                 fmt::format("Samples of a pixel through which an edge passes; 1: "
+                                             "each pixel shows its middle. More than 1: radiance "
+                                             "and irradiance by rays, whose default is {}, and "
+                                             "reference, which then sees whole pixels",
                                              kSmoothEdges))
                       ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))
                       ->type_name("N")

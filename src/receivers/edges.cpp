@@ -25,8 +25,8 @@ constexpr float kContrast = 0.15f;
 constexpr float kNearBorder = 0.25f;
 // A pixel's strays: more surfaces than these in one pixel take each other's light.
 constexpr size_t kMostStrays = 4;
-// Pixels whose samples are held at a time.
-constexpr size_t kTogether = 1u << 14u;
+// Samples that are held at a time, 100 bytes each.
+constexpr size_t kTogether = 1u << 18u;
 
 // A place that a ray found.
 struct Place {
@@ -95,7 +95,7 @@ class EdgeFinder {
         std::vector<vec2> strays;
         // Grows meanwhile: thin things are followed to where no corner and no middle sees them.
         for (size_t first = 0; first < found_.size();) {
-            const size_t end = std::min(first + kTogether, found_.size());
+            const size_t end = std::min(first + kTogether / samples_.size(), found_.size());
             look({found_.begin() + static_cast<std::ptrdiff_t>(first),
                   found_.begin() + static_cast<std::ptrdiff_t>(end)},
                  edges, strays);

@@ -121,11 +121,13 @@ Scene loadScene(const std::string& path, const LoadParams& params) {
             scene.environment = studioSky(scene.cameras.front());
             scene.environment.visible = !environment.transparent;
         }
-        file.notes.add(fmt::format(
-            "the scene has no light and nothing that emits: lit {} a key light from above, to the "
-            "left of its first view; --environment lights it by another sky or, by none, not at "
-            "all",
-            environment.no_sky ? "by" : "by a studio's grey sky and"));
+        file.notes.add(
+            environment.no_sky
+                ? "the scene has no light and nothing that emits: lit by a key light from above, "
+                  "to the left of its first view; --gather ray lights it by a studio's sky as well"
+                : "the scene has no light and nothing that emits: lit by a studio's grey sky and a "
+                  "key light from above, to the left of its first view; --environment lights it by "
+                  "another sky or, by none, not at all");
     }
     if (params.view.given()) {
         scene.cameras.insert(scene.cameras.begin(), seenFrom(scene, params));
