@@ -38,7 +38,8 @@ Found find(const Scene& scene, int count) {
     gbuffer.direct = traceDirect(tracer, lamps, gbuffer);
     Found found;
     found.pixels = receiversOf(scene, std::move(gbuffer), 0, false);
-    found.edges = findEdges(tracer, lamps, camera, found.pixels, 0, count);
+    const Image<float> all;
+    found.edges = findEdges(tracer, lamps, camera, found.pixels, {0, all}, 0, count);
     return found;
 }
 

@@ -378,10 +378,10 @@ TEST(SceneDefaults, TheStudioCanBeLeftOutOrBeUnseen) {
     const Scene studio = loadScene(path);
     EXPECT_TRUE(studio.environment.shows());
     EXPECT_TRUE(warnsOf(studio, "a studio's grey sky"));
-    const Scene unseen = loadScene(path, {}, {.source = "", .transparent = true});
+    const Scene unseen = loadScene(path, {.environment = {.source = "", .transparent = true}});
     EXPECT_FALSE(unseen.environment.empty());
     EXPECT_FALSE(unseen.environment.shows());
-    const Scene no_sky = loadScene(path, {}, {.source = "", .no_sky = true});
+    const Scene no_sky = loadScene(path, {.environment = {.source = "", .no_sky = true}});
     EXPECT_TRUE(no_sky.environment.empty());
     EXPECT_EQ(no_sky.lights.size(), 1u);
     EXPECT_TRUE(warnsOf(no_sky, "lit by a key light"));
