@@ -86,7 +86,7 @@ def run_whole(sheen, scene, size, runs, options=(), cold_runs=1):
     left there: the cold and the warm one of median time."""
     def render(folder, cache):
         stats = pathlib.Path(folder) / "stats.json"
-        run = Run([sheen, "render", SCENES / f"{scene}.glb", "--size", size, "--aa", "1",
+        run = Run([sheen, "render", SCENES / f"{scene}.glb", "--size", size, "--aa", "1", "--bounces", "1",
                    "-o", f"{folder}/image.exr", "--json", stats, *options], cache)
         run.stats = json.loads(stats.read_text())
         return run

@@ -465,7 +465,8 @@ class Sweep {
         }
         for (const std::string& argument :
              {std::string("--size"), fmt::format("{}x{}", params_.width, params_.height),
-              std::string("--aa"), std::string("1"),  // as references are
+              // As references are.
+              std::string("--aa"), std::string("1"), std::string("--bounces"), std::string("1"),
               std::string("-o"), output, std::string("--json"), std::string("-")}) {
             command.push_back(argument);
         }

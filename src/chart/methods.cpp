@@ -51,9 +51,8 @@ std::vector<SweepMethod> chooseMethods(const std::vector<std::string>& names) {
 }
 
 std::vector<std::string> settingArguments(const SweepMethod& method, const SweepSetting& setting) {
-    // One bounce is what all methods compute.
     std::vector<std::string> arguments = method.arguments;
-    arguments.insert(arguments.end(), {"--bounces", "1", method.option, setting.value});
+    arguments.insert(arguments.end(), {method.option, setting.value});
     return arguments;
 }
 
