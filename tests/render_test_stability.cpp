@@ -1,6 +1,7 @@
 // Where methods of this kind fail (docs/stability.md), each as a small scene with a sane answer.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <string>
 
