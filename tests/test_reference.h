@@ -48,12 +48,8 @@ inline Scene litRoom() {
 }
 
 inline ReferenceParams smallParams(const Camera& camera, int size, int spp) {
-    return {.width = size,
-            .height = size,
-            .camera = camera,
-            .bounces = 1,
-            .spp = spp,
-            .quiet = true};
+    return {
+        .width = size, .height = size, .camera = camera, .bounces = 1, .spp = spp, .quiet = true};
 }
 
 inline ReferenceParams smallParams(const Scene& scene, int size, int spp) {
