@@ -11,62 +11,21 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <iterator>
 
 #include "image/atomic_file.h"
 #include "image/exr.h"
 #include "image/png.h"
 #include "image_test_colors.h"
-#include "test_folder.h"
+#include "image_test_files.h"
 
 namespace sheen {
 namespace {
 
-namespace fs = std::filesystem;
-
 // Half keeps 11 significant bits.
 constexpr float kHalfRelative = 1.0f / 2048.0f;
 
-class FolderTest : public testing::Test {
-  protected:
-    std::string file(const std::string& name) const { return (folder_ / name).string(); }
-    int fileCount() const {
-        return static_cast<int>(
-            std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-    }
-
-    TestFolder own_;
-    fs::path folder_ = own_.path();
-};
-
 class ExrTest : public FolderTest {};
-class AtomicFileTest : public FolderTest {};
 class PngTest : public FolderTest {};
-
-std::string textOf(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-void writeText(const std::string& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
-}
-
-// Runs `act`, which must throw an Error with `code` whose message is one line holding `part`.
-void expectError(ExitCode code, const std::string& part, const std::function<void()>& act) {
-    try {
-        act();
-        FAIL() << "no error";
-    } catch (const Error& error) {
-        const std::string message = error.what();
-        EXPECT_EQ(error.code(), code) << message;
-        EXPECT_NE(message.find(part), std::string::npos) << message;
-        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    }
-}
 
 constexpr int kWidth = 7;
 constexpr int kHeight = 5;
@@ -342,91 +301,7 @@ TEST_F(ExrTest, readRejectsHeadersThatPromiseTooMuch) {
                 [&] { readExr(file("a.exr")); });
 }
 
-TEST_F(AtomicFileTest, appearsOnlyWhenCommitted) {
-    {
-        AtomicFile out(file("a"));
-        out.write("text");
-        EXPECT_FALSE(fs::exists(file("a")));
-        out.commit();
-    }
-    EXPECT_EQ(textOf(file("a")), "text");
-    EXPECT_EQ(fileCount(), 1);
-}
-
-TEST_F(AtomicFileTest, abandonedLeavesWhatWasThere) {
-    writeText(file("a"), "old");
-    {
-        AtomicFile out(file("a"));
-        out.write("new");
-    }
-    EXPECT_EQ(textOf(file("a")), "old");
-    EXPECT_EQ(fileCount(), 1);
-}
-
-TEST_F(AtomicFileTest, writesThroughSymbolicLinks) {
-    fs::create_directory(file("there"));
-    writeText(file("there/target"), "old");
-    fs::create_symlink("there/target", file("link"));
-    AtomicFile out(file("link"));
-    out.write("new");
-    out.commit();
-    EXPECT_TRUE(fs::is_symlink(file("link")));
-    EXPECT_EQ(textOf(file("there/target")), "new");
-}
-
-TEST_F(AtomicFileTest, keepsPermissions) {
-    writeText(file("a"), "old");
-    fs::permissions(file("a"), fs::perms::owner_read | fs::perms::owner_write);
-    AtomicFile out(file("a"));
-    out.commit();
-    EXPECT_EQ(fs::status(file("a")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
-}
-
-TEST_F(AtomicFileTest, longestName) {
-    const std::string name = file(std::string(255, 'n'));
-    AtomicFile out(name);
-    out.commit();
-    EXPECT_TRUE(fs::exists(name));
-}
-
-TEST_F(AtomicFileTest, seekOverwrites) {
-    AtomicFile out(file("a"));
-    out.write("0000text");
-    out.seek(0);
-    out.write("size");
-    EXPECT_EQ(out.position(), 4u);
-    out.commit();
-    EXPECT_EQ(textOf(file("a")), "sizetext");
-}
-
-TEST_F(AtomicFileTest, refusesWhatIsNoFile) {
-    expectError(ExitCode::kEnvironment, "is a directory",
-                [&] { AtomicFile out(folder_.string()); });
-    expectError(ExitCode::kEnvironment, "not a regular file", [] { AtomicFile out("/dev/null"); });
-    expectError(ExitCode::kEnvironment, "No such file or directory",
-                [&] { AtomicFile out(file("none/a")); });
-    expectError(ExitCode::kEnvironment, "Not a directory", [&] {
-        writeText(file("plain"), "");
-        AtomicFile out(file("plain/a"));
-    });
-    expectError(ExitCode::kEnvironment, "without a name", [] { AtomicFile out(""); });
-    expectError(ExitCode::kEnvironment, "too long",
-                [&] { AtomicFile out(file(std::string(256, 'n'))); });
-}
-
-TEST_F(AtomicFileTest, checkWritableLeavesNothing) {
-    checkWritable(file("a"));
-    EXPECT_EQ(fileCount(), 0);
-}
-
-TEST_F(AtomicFileTest, signalCleansUp) {
-    AtomicFile out(file("a"));
-    EXPECT_EQ(fileCount(), 1);
-    removePendingTemporaries();
-    EXPECT_EQ(fileCount(), 0);
-}
-
-TEST_F(AtomicFileTest, fullDiskIsReportedAndLeavesNothing) {
+TEST_F(ExrTest, fullDiskIsReportedAndLeavesNothing) {
     // A file size limit stands in for a full disk: the write fails in the same place.
     struct rlimit before {};
     ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);

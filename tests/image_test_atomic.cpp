@@ -1,45 +1,104 @@
 // Files that are written whole or not at all, where others have put links and leftovers.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
 #include "image/atomic_file.h"
-#include "test_folder.h"
+#include "image_test_files.h"
 
 namespace sheen {
 namespace {
 
-namespace fs = std::filesystem;
+class AtomicFileTest : public FolderTest {};
 
-class AtomicFileFolderTest : public testing::Test {
-  protected:
-    std::string file(const std::string& name) const { return (folder_.path() / name).string(); }
-
-    TestFolder folder_;
-};
-
-int fileCount(const fs::path& folder) {
-    return static_cast<int>(
-        std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+TEST_F(AtomicFileTest, appearsOnlyWhenCommitted) {
+    {
+        AtomicFile out(file("a"));
+        out.write("text");
+        EXPECT_FALSE(fs::exists(file("a")));
+        out.commit();
+    }
+    EXPECT_EQ(textOf(file("a")), "text");
+    EXPECT_EQ(fileCount(), 1);
 }
 
-std::string textOf(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+TEST_F(AtomicFileTest, abandonedLeavesWhatWasThere) {
+    writeText(file("a"), "old");
+    {
+        AtomicFile out(file("a"));
+        out.write("new");
+    }
+    EXPECT_EQ(textOf(file("a")), "old");
+    EXPECT_EQ(fileCount(), 1);
 }
 
-void writeText(const std::string& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
+TEST_F(AtomicFileTest, writesThroughSymbolicLinks) {
+    fs::create_directory(file("there"));
+    writeText(file("there/target"), "old");
+    fs::create_symlink("there/target", file("link"));
+    AtomicFile out(file("link"));
+    out.write("new");
+    out.commit();
+    EXPECT_TRUE(fs::is_symlink(file("link")));
+    EXPECT_EQ(textOf(file("there/target")), "new");
 }
 
-TEST_F(AtomicFileFolderTest, writesThroughLinksToWhatDoesNotExistYet) {
+TEST_F(AtomicFileTest, keepsPermissions) {
+    writeText(file("a"), "old");
+    fs::permissions(file("a"), fs::perms::owner_read | fs::perms::owner_write);
+    AtomicFile out(file("a"));
+    out.commit();
+    EXPECT_EQ(fs::status(file("a")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST_F(AtomicFileTest, longestName) {
+    const std::string name = file(std::string(255, 'n'));
+    AtomicFile out(name);
+    out.commit();
+    EXPECT_TRUE(fs::exists(name));
+}
+
+TEST_F(AtomicFileTest, seekOverwrites) {
+    AtomicFile out(file("a"));
+    out.write("0000text");
+    out.seek(0);
+    out.write("size");
+    EXPECT_EQ(out.position(), 4u);
+    out.commit();
+    EXPECT_EQ(textOf(file("a")), "sizetext");
+}
+
+TEST_F(AtomicFileTest, refusesWhatIsNoFile) {
+    expectError(ExitCode::kEnvironment, "is a directory",
+                [&] { AtomicFile out(folder_.string()); });
+    expectError(ExitCode::kEnvironment, "not a regular file", [] { AtomicFile out("/dev/null"); });
+    expectError(ExitCode::kEnvironment, "No such file or directory",
+                [&] { AtomicFile out(file("none/a")); });
+    expectError(ExitCode::kEnvironment, "Not a directory", [&] {
+        writeText(file("plain"), "");
+        AtomicFile out(file("plain/a"));
+    });
+    expectError(ExitCode::kEnvironment, "without a name", [] { AtomicFile out(""); });
+    expectError(ExitCode::kEnvironment, "too long",
+                [&] { AtomicFile out(file(std::string(256, 'n'))); });
+}
+
+TEST_F(AtomicFileTest, checkWritableLeavesNothing) {
+    checkWritable(file("a"));
+    EXPECT_EQ(fileCount(), 0);
+}
+
+TEST_F(AtomicFileTest, signalCleansUp) {
+    AtomicFile out(file("a"));
+    EXPECT_EQ(fileCount(), 1);
+    removePendingTemporaries();
+    EXPECT_EQ(fileCount(), 0);
+}
+
+TEST_F(AtomicFileTest, writesThroughLinksToWhatDoesNotExistYet) {
     fs::create_directory(file("there"));
     fs::create_symlink("second", file("first"));
     fs::create_symlink(file("there/target"), file("second"));
     AtomicFile out(file("first"));
-    EXPECT_EQ(fileCount(file("there")), 1)
+    EXPECT_EQ(fileCount("there"), 1)
         << "the temporary lies beside the target, which may be on another disk";
     out.write("new");
     out.commit();
@@ -48,17 +107,17 @@ TEST_F(AtomicFileFolderTest, writesThroughLinksToWhatDoesNotExistYet) {
     EXPECT_EQ(textOf(file("there/target")), "new");
 }
 
-TEST_F(AtomicFileFolderTest, temporariesInUseAreNoLeftovers) {
+TEST_F(AtomicFileTest, temporariesInUseAreNoLeftovers) {
     AtomicFile out(file("a"));
     writeText(file(".sheen-4000000-0.tmp"), "left");
     checkWritable(file("b"));
-    EXPECT_EQ(fileCount(folder_.path()), 1) << "the leftover is gone, that in use is not";
+    EXPECT_EQ(fileCount(), 1) << "the leftover is gone, that in use is not";
     out.write("text");
     out.commit();
     EXPECT_EQ(textOf(file("a")), "text");
 }
 
-TEST_F(AtomicFileFolderTest, sameFileByIdentity) {
+TEST_F(AtomicFileTest, sameFileByIdentity) {
     writeText(file("a"), "");
     writeText(file("b"), "");
     fs::create_hard_link(file("a"), file("hard"));

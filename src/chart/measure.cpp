@@ -7,6 +7,7 @@
 #include <set>
 
 #include "chart/chart.h"
+#include "chart/chart_scenes.h"
 #include "chart/child.h"
 #include "chart/point_file.h"
 #include "core/parallel.h"
@@ -51,46 +52,6 @@ void writeText(const fs::path& path, const std::string& text) {
     AtomicFile file(path.string());
     file.write(text);
     file.commit();
-}
-
-// What the sweep needs to know of a scene once its reference is rendered.
-struct SceneIdentity {
-    std::string hash;
-    int camera = 0;
-};
-
-// Hashes the scene, and tells its camera's name; warnings are printed here and nowhere else.
-SceneIdentity identify(const Scene& scene, const std::string& camera_option, ChartScene& chart) {
-    for (const std::string& warning : scene.warnings) {
-        warn(warning);
-    }
-    const Camera& camera = findCamera(scene, camera_option);
-    const int index = static_cast<int>(&camera - scene.cameras.data());
-    chart.camera = camera.name.empty() ? fmt::format("{}", index) : camera.name;
-    return {contentHash(scene), index};
-}
-
-// Stems, or whole names where two scenes share a stem.
-std::vector<ChartScene> nameScenes(const std::vector<std::string>& files) {
-    std::vector<ChartScene> scenes;
-    std::set<fs::path> seen;
-    std::multiset<std::string> stems;
-    for (const std::string& file : files) {
-        std::error_code ignored;
-        const fs::path canonical = fs::weakly_canonical(file, ignored);
-        if (!seen.insert(ignored ? fs::path(file) : canonical).second) {
-            throwUsage("{}: this scene is given twice", file);
-        }
-        stems.insert(fs::path(file).stem().string());
-    }
-    for (const std::string& file : files) {
-        const std::string stem = fs::path(file).stem().string();
-        ChartScene scene;
-        scene.name = stems.count(stem) > 1 ? file : stem;
-        scene.file = file;
-        scenes.push_back(scene);
-    }
-    return scenes;
 }
 
 std::string timeText(double seconds) {
@@ -519,51 +480,6 @@ class Sweep {
 };
 
 }  // namespace
-
-double secondsLeft(std::span<const SweepJob> jobs) {
-    struct Sum {
-        double seconds = 0, cost = 0;
-    };
-    std::map<std::pair<size_t, size_t>, Sum> done;  // of a scene and a method
-    for (const SweepJob& job : jobs) {
-        if (job.seconds >= 0) {
-            Sum& sum = done[{job.scene, job.method}];
-            sum.seconds += job.seconds;
-            sum.cost += job.cost;
-        }
-    }
-    if (done.empty()) {
-        return -1;
-    }
-    // Methods differ more than scenes in what a unit of cost takes, so each counts as much.
-    const auto mean_ratio = [&done](const auto& counts) {
-        double ratios = 0;
-        int count = 0;
-        for (const auto& [key, sum] : done) {
-            if (counts(key.first)) {
-                ratios += sum.seconds / sum.cost;
-                ++count;
-            }
-        }
-        return count > 0 ? ratios / count : -1.0;
-    };
-    double left = 0;
-    for (const SweepJob& job : jobs) {
-        if (job.seconds >= 0) {
-            left += job.seconds * runsLeft(job.seconds, job.spent, job.repeats - job.runs);
-            continue;
-        }
-        const auto same = done.find({job.scene, job.method});
-        double ratio = same != done.end()
-                           ? same->second.seconds / same->second.cost
-                           : mean_ratio([&job](size_t scene) { return scene == job.scene; });
-        if (ratio < 0) {
-            ratio = mean_ratio([](size_t) { return true; });
-        }
-        left += job.cost * ratio * runsLeft(job.cost * ratio, 0, job.repeats);
-    }
-    return left;
-}
 
 Chart measureChart(const ChartParams& params) {
     SHEEN_CHECK(params.repeats > 0 && !params.scenes.empty() && !params.methods.empty());

@@ -10,13 +10,13 @@
 #include "cache/fill.h"
 #include "cache/probes.h"
 #include "core/error.h"
-#include "core/memory.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "gather/raster_gather.h"
 #include "gather/ray_gather.h"
 #include "gl/objects.h"
 #include "receivers/classes.h"
+#include "render/memory_check.h"
 #include "render/session.h"
 #include "render/veils.h"
 #include "splat/splat.h"
@@ -384,54 +384,6 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
         stats.elements_missed_share = view.again->missedShare();
     }
     return result;
-}
-
-bool usesRecords(Method method) {
-    return method == Method::kRadiance || method == Method::kIrradiance;
-}
-
-// Bytes that so many pixels take, at the most (docs/stability.md).
-uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t pixels) {
-    constexpr uint64_t kByPaths = 230;
-    constexpr uint64_t kByRecords = 230;
-    constexpr uint64_t kDrawn = 100;    // what OpenGL holds of pixels that are splatted together
-    constexpr uint64_t kByRays = 320;   // what rays saw and how it is filtered
-    constexpr uint64_t kOfEdges = 300;  // where half of the pixels have some, and strays
-    constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
-    if (!usesRecords(params.method)) {
-        return kByPaths * pixels;
-    }
-    std::vector<bool> used(scene.materials.size(), false);
-    for (const uint32_t material : scene.materials_of) {
-        used[material] = true;
-    }
-    int order = 0;
-    for (size_t i = 0; i < used.size() && params.method == Method::kRadiance; ++i) {
-        if (used[i]) {
-            order = std::max(order, materialOrder(scene, scene.materials[i], params.sh_order));
-        }
-    }
-    const uint64_t each = kByRecords + (params.aa > 1 ? kOfEdges : 0) +
-                          (order > shared::DIFFUSE_ORDER ? kByRays : 0) +
-                          kPerCoefficient * static_cast<uint64_t>(order * order);
-    return each * pixels + kDrawn * std::min<uint64_t>(pixels, kBandPixels);
-}
-
-void checkRenderMemory(const Scene& scene, const RenderParams& params) {
-    constexpr uint64_t kProgram = uint64_t{128} << 20;
-    constexpr uint64_t kPerTriangle = 650;
-    constexpr uint64_t kKept = uint64_t{48} << 20;  // light of more than one bounce
-    constexpr uint64_t kKeptPerTriangle = 28;
-    const uint64_t pixels =
-        static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
-    const bool keeps = usesRecords(params.method) && params.bounces > 1;
-    const uint64_t kept = keeps ? kKept + kKeptPerTriangle * scene.triangles.size() : 0;
-    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept +
-                          kPerTriangle * scene.triangles.size(),
-                 .threads = threadCount()},
-                fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
-                            scene.triangles.size()),
-                "choose a smaller --size, or fewer --threads below an address limit");
 }
 
 }  // namespace

@@ -1,0 +1,291 @@
+#include "cli/render_options.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <map>
+
+#include "core/error.h"
+
+namespace sheen::cli {
+namespace {
+
+const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
+                                                {"irradiance", Method::kIrradiance},
+                                                {"reference", Method::kReference},
+                                                {"octree", Method::kOctree},
+                                                {"denoised", Method::kDenoised}};
+
+const std::map<std::string, ToneCurve> kTones = {{"neutral", ToneCurve::kNeutral},
+                                                 {"none", ToneCurve::kNone}};
+
+struct Gather {
+    GatherRoad road;
+    HemisphereKind hemisphere;
+};
+const std::map<std::string, Gather> kGathers = {
+    {"ray", {GatherRoad::kRays, HemisphereKind::kHemicube}},
+    {"border", {GatherRoad::kRaster, HemisphereKind::kBorder}},
+    {"plane", {GatherRoad::kRaster, HemisphereKind::kPlane}},
+    {"larsen", {GatherRoad::kRaster, HemisphereKind::kLarsen}},
+    {"hemicube", {GatherRoad::kRaster, HemisphereKind::kHemicube}}};
+
+template <class T>
+std::vector<std::string> keysOf(const std::map<std::string, T>& map) {
+    std::vector<std::string> keys;
+    for (const auto& [key, value] : map) {
+        keys.push_back(key);
+    }
+    return keys;
+}
+
+void addImageOptions(CLI::App& app, RenderOptions& o) {
+    app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")
+        ->type_name("FILE")
+        ->required()
+        ->check(fileName());
+    app.add_option("-o,--output", o.output,
+                   "Image to write, .exr (all figures) or .png (to look at); "
+                   "default: the scene's name with .exr, in the current folder")
+        ->type_name("FILE")
+        ->check(fileName());
+    app.add_option("--size", o.size, "Width x height in pixels, each 1..16384")
+        ->capture_default_str();
+    app.add_option("--camera", o.params.camera, "Name or number of a camera; default: the first");
+    app.add_option("--camera-at", o.camera_at,
+                   "Where to see the scene from, in the file's coordinates")
+        ->type_name("X,Y,Z")
+        ->check(fileName());
+    app.add_option("--look-at", o.look_at,
+                   "A point to look at; with --camera-at, default: the scene's middle")
+        ->type_name("X,Y,Z")
+        ->check(fileName());
+    app.add_option("--fov", o.fov, "Vertical field of view, degrees; default: the camera's")
+        ->check(numberIn(0.1, 179));
+    app.add_option("--variant", o.load.variant, "Materials by a name of KHR_materials_variants");
+    addEnvironmentOptions(app, o.load.environment);
+    o.exposure_option =
+        app.add_option("--exposure", o.exposure,
+                       "PNG only: stops, or auto: the log-average becomes middle grey")
+            ->capture_default_str();
+    o.tone_option =
+        app.add_option("--tone", o.tone,
+                       "PNG only: tone curve, neutral (Khronos PBR Neutral: colours as materials "
+                       "state them, highlights compressed) or none (clipped)")
+            ->check(CLI::IsMember(keysOf(kTones)))
+            ->capture_default_str();
+    o.aa_option = app.add_option("--aa", o.params.aa,
+                                 fmt::format("Samples of a pixel through which an edge passes; 1: "
+                                             "each pixel shows its middle. More than 1: radiance "
+                                             "and irradiance by rays, whose default is {}, and "
+                                             "reference, which then sees whole pixels",
+                                             kSmoothEdges))
+                      ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))
+                      ->type_name("N")
+                      ->default_str("");
+    o.layers_option = app.add_option("--layers", o.layers,
+                                     "EXR only: basic (beauty, direct, indirect) or all "
+                                     "(also normals, depth, record weights, ...)")
+                          ->check(CLI::IsMember({"basic", "all"}))
+                          ->capture_default_str();
+}
+
+void addMethodOptions(CLI::App& app, RenderOptions& o) {
+    const std::vector<Method> cached = {Method::kRadiance, Method::kIrradiance};
+    const std::vector<Method> any_cache = {Method::kRadiance, Method::kIrradiance, Method::kOctree};
+    const std::vector<Method> traced = {Method::kReference, Method::kDenoised};
+    RenderParams& p = o.params;
+    app.add_option("--method", o.method,
+                   "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
+                   "reference (path tracer), or to compare with: denoised (path tracer, filtered), "
+                   "octree (classical irradiance cache, diffuse only)")
+        ->check(CLI::IsMember(keysOf(kMethods)))
+        ->capture_default_str();
+    const auto limited = [&o](CLI::Option* option, std::vector<Method> methods) {
+        option->capture_default_str();
+        o.limited.push_back({option, std::move(methods)});
+        return option;
+    };
+    CLI::Option* accuracy = limited(
+        app.add_option("--accuracy", p.placement.accuracy,
+                       "radiance, irradiance, octree: largest error of a record's reuse, smaller "
+                       "is better and slower")
+            ->check(numberIn(0.01, 2)),
+        any_cache);
+    limited(app.add_option("--target-error", p.target_error,
+                           "radiance, irradiance: render again at finer accuracies until the "
+                           "estimated relative error of the indirect light, at the upper end of "
+                           "its interval, is at "
+                           "most this, "
+                           "0.002..0.5")
+                ->check(numberIn(0.002, 0.5))
+                ->excludes(accuracy)
+                ->default_str(""),
+            cached);
+    limited(app.add_option("--time-limit", p.time_limit,
+                           "radiance, irradiance: render again at finer accuracies as long as "
+                           "that fits into so many seconds of wall time, loading and writing "
+                           "included, 0.1..86400; the image then depends on the machine")
+                ->check(numberIn(0.1, 86400))
+                ->excludes(accuracy)
+                ->excludes("--target-error")
+                ->default_str(""),
+            cached);
+    limited(app.add_option("--sh-order", o.sh_order,
+                           "radiance: order of the spherical harmonics, 2..10, or auto: by "
+                           "material"),
+            {Method::kRadiance});
+    limited(app.add_option("--gather", o.gather,
+                           "radiance, irradiance: how a record sees its hemisphere: by rays "
+                           "through a hemicube (ray), or rasterised: on a hemicube, or one plane "
+                           "with its border stretched to the horizon (border), bare (plane) or "
+                           "rescaled (larsen)")
+                ->check(CLI::IsMember(keysOf(kGathers))),
+            cached);
+    limited(
+        app.add_option(
+               "--gather-size", p.gather.size,
+               fmt::format(
+                   "radiance, irradiance: texels along a side of that plane ({} at the "
+                   "default accuracy, rasterised {}, border {}), by rays that of a record which "
+                   "reaches 5 pixels, farther reaching ones having more; octree: rings "
+                   "of a record's rays; default: by the accuracy",
+                   gatherSize(GatherRoad::kRays, p.placement.accuracy),
+                   gatherSize(GatherRoad::kRaster, p.placement.accuracy),
+                   gatherSize(GatherRoad::kRaster, p.placement.accuracy, HemisphereKind::kBorder)))
+            ->check(numberIn(8, 512)),
+        any_cache)
+        ->default_str("");
+    o.extent_option =
+        limited(app.add_option("--gather-extent", p.gather.extent,
+                               "radiance, irradiance: half-width of that plane at "
+                               "distance 1 (border 2.5, others 3); not for a hemicube")
+                    ->check(numberIn(1, 10)),
+                cached)
+            ->default_str("");
+    o.bounces_option =
+        app.add_option("--bounces", o.bounces,
+                       "Bounces of indirect light: all, or so many at the most, 1..64; the octree "
+                       "and records that are rasterised have 1")
+            ->capture_default_str();
+    limited(app.add_option("--spp", p.spp, "reference, denoised: paths a pixel")
+                ->check(numberIn(1, 65536)),
+            traced);
+    limited(app.add_option("--seed", p.seed, "reference, denoised: seed of their random numbers")
+                ->check(numberIn(0, std::numeric_limits<uint32_t>::max())),
+            traced);
+}
+
+void addProgramOptions(CLI::App& app, RenderOptions& o) {
+    app.add_option("--threads", o.threads, "Threads to use; 0: one a hardware thread")
+        ->check(numberIn(0, 256))
+        ->capture_default_str();
+    app.add_option("--json", o.json, "File for all figures as JSON; -: standard output")
+        ->type_name("FILE")
+        ->check(fileName());
+}
+
+void checkMethodOptions(const RenderOptions& o) {
+    for (const LimitedOption& limited : o.limited) {
+        const auto& methods = limited.methods;
+        if (limited.option->count() > 0 &&
+            std::find(methods.begin(), methods.end(), o.params.method) == methods.end()) {
+            throwUsage("{}: not an option of --method {}", limited.option->get_name(), o.method);
+        }
+    }
+    if (o.params.gather.kind == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
+        throwUsage("--gather-extent: not an option of --gather {}", o.gather);
+    }
+}
+
+// All, unless something else is asked for or the method has one.
+int bouncesOf(const RenderOptions& o) {
+    const bool rasterised = o.params.gather_road == GatherRoad::kRaster;
+    const bool one = rasterised || o.params.method == Method::kOctree;
+    if (one && o.bounces_option->count() == 0) {
+        return 1;
+    }
+    const int bounces = parseBounces(o.bounces);
+    if (one && bounces != 1) {
+        throwUsage("--bounces {}: {} computes one", o.bounces,
+                   rasterised ? "--gather " + o.gather : "--method " + o.method);
+    }
+    return bounces;
+}
+
+void checkFileOptions(const RenderOptions& o, FileKind kind) {
+    for (const CLI::Option* option : {o.exposure_option, o.tone_option}) {
+        if (kind == FileKind::kExr && option->count() > 0) {
+            throwUsage("{}: for PNG only; {} stores radiance as it is", option->get_name(),
+                       o.output);
+        }
+    }
+    if (kind == FileKind::kPng && o.layers_option->count() > 0) {
+        throwUsage("--layers: for EXR only; {} holds one image", o.output);
+    }
+}
+
+std::string defaultOutput(const std::string& scene) {
+    return std::filesystem::path(scene).stem().string() + ".exr";
+}
+
+void parseView(RenderOptions& o) {
+    Viewpoint& view = o.load.view;
+    if (!o.camera_at.empty()) {
+        view.at = parsePoint("--camera-at", o.camera_at);
+    }
+    if (!o.look_at.empty()) {
+        view.look_at = parsePoint("--look-at", o.look_at);
+    }
+    if (o.fov > 0.0) {
+        view.y_fov = static_cast<float>(glm::radians(o.fov));
+    }
+    o.load.camera = o.params.camera;
+    if (view.given()) {
+        o.params.camera.clear();  // it becomes the first
+    }
+}
+
+}  // namespace
+
+bool tracesPaths(Method method) {
+    return method == Method::kReference || method == Method::kDenoised;
+}
+
+bool usesCache(Method method) {
+    return method == Method::kRadiance || method == Method::kIrradiance;
+}
+
+ToneCurve toneCurve(const RenderOptions& o) { return kTones.at(o.tone); }
+
+void addRenderOptions(CLI::App& app, RenderOptions& o) {
+    addImageOptions(app, o);
+    addMethodOptions(app, o);
+    addProgramOptions(app, o);
+}
+
+FileKind understand(RenderOptions& o) {
+    const ivec2 size = parseSize(o.size);
+    o.params.width = size.x;
+    o.params.height = size.y;
+    o.params.method = kMethods.at(o.method);
+    o.params.gather_road = kGathers.at(o.gather).road;
+    o.params.gather.kind = kGathers.at(o.gather).hemisphere;
+    o.params.sh_order = parseShOrder(o.sh_order);
+    o.params.bounces = bouncesOf(o);
+    o.params.all_layers = o.layers == "all";
+    if (o.aa_option->count() == 0 && smoothsEdges(o.params.method, o.params.gather_road)) {
+        o.params.aa = kSmoothEdges;
+    }
+    parseExposure(o.exposure);
+    parseView(o);
+    checkMethodOptions(o);
+    o.output = o.output.empty() ? defaultOutput(o.scene) : o.output;
+    const FileKind kind = imageKind(o.output);
+    checkFileOptions(o, kind);
+    o.load.environment.no_sky =
+        usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
+    return kind;
+}
+
+}  // namespace sheen::cli

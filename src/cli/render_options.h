@@ -1,0 +1,59 @@
+// The options of sheen render, as text and as what they say.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/options.h"
+#include "image/tonemap.h"
+#include "render/render.h"
+
+namespace sheen::cli {
+
+/// An option that only some methods understand.
+struct LimitedOption {
+    CLI::Option* option = nullptr;
+    std::vector<Method> methods;
+};
+
+struct RenderOptions {
+    std::string scene;
+    std::string output;
+    std::string size = "512x512";
+    std::string method = "radiance";
+    std::string sh_order = "auto";
+    std::string gather = "ray";
+    std::string bounces = "all";
+    std::string exposure = "auto";
+    std::string tone = "neutral";
+    std::string layers = "basic";
+    std::string json;
+    int threads = 0;
+    LoadParams load;
+    std::string camera_at;
+    std::string look_at;
+    double fov = 0.0;  ///< degrees; 0: the camera's
+    RenderParams params;
+    std::vector<LimitedOption> limited;
+    CLI::Option* aa_option = nullptr;
+    CLI::Option* exposure_option = nullptr;
+    CLI::Option* tone_option = nullptr;
+    CLI::Option* layers_option = nullptr;
+    CLI::Option* extent_option = nullptr;
+    CLI::Option* bounces_option = nullptr;
+};
+
+void addRenderOptions(CLI::App& app, RenderOptions& o);
+
+/// Fills `params`, `load` and `output` by what the others say; returns what file that is to be.
+/// Usage error for what cannot be, or does not go together.
+FileKind understand(RenderOptions& o);
+
+/// The curve that --tone names.
+ToneCurve toneCurve(const RenderOptions& o);
+
+bool tracesPaths(Method method);
+bool usesCache(Method method);
+
+}  // namespace sheen::cli

@@ -1,0 +1,159 @@
+#include "cli/render_report.h"
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "render/black_frame.h"
+
+namespace sheen::cli {
+namespace {
+
+// Materials may share a name; keys of an object may not.
+Json shOrders(const std::vector<MaterialOrder>& orders) {
+    Json json = Json::object();
+    for (size_t i = 0; i < orders.size(); ++i) {
+        const std::string& name = orders[i].material;
+        json[json.contains(name) ? fmt::format("{} #{}", name, i) : name] = orders[i].order;
+    }
+    return json;
+}
+
+// Stages in the order they run.
+std::vector<std::pair<const char*, double>> stagesOf(const StageSeconds& s) {
+    return {{"load", s.load},       {"gbuffer", s.gbuffer},     {"shadow", s.shadow},
+            {"bounces", s.bounces}, {"placement", s.placement}, {"gather", s.gather},
+            {"project", s.project}, {"splat", s.splat},         {"compose", s.compose},
+            {"trace", s.trace},     {"denoise", s.denoise},     {"write", s.write}};
+}
+
+std::string orderSummary(const std::vector<MaterialOrder>& orders) {
+    std::map<int, int> materials_of;
+    for (const MaterialOrder& material : orders) {
+        ++materials_of[material.order];
+    }
+    std::string text;
+    for (const auto& [order, count] : materials_of) {
+        text += fmt::format("{}{} x{}", text.empty() ? "" : ", ",
+                            order == 0 ? "diffuse" : fmt::format("order {}", order), count);
+    }
+    return text;
+}
+
+}  // namespace
+
+void warnOf(const RenderOptions& o, const Scene& scene, const RenderResult& result, double limit) {
+    if (result.stats.nonfinite_pixels > 0) {
+        warn(fmt::format("{}: {} pixels are not finite", o.output, result.stats.nonfinite_pixels));
+    }
+    const std::string black = whyBlack(scene, findCamera(scene, o.params.camera), result.frame);
+    if (!black.empty()) {
+        warn(fmt::format("{}: {}", o.scene, black));
+    }
+    if (o.params.target_error > 0.0 && result.stats.estimate_high > o.params.target_error) {
+        const bool finest = result.stats.accuracy <= kFinestAccuracy;
+        warn(fmt::format(
+            "--target-error {}: the estimate's upper end stays at {:.3g} and {}",
+            o.params.target_error, result.stats.estimate_high,
+            finest ? "there are no finer records" : "finer records would not lower it by much"));
+    }
+    if (limit > 0.0 && result.stats.seconds.total > limit) {
+        warn(fmt::format("--time-limit {}: the image took {:.3g} s, at accuracy {:.3g}", limit,
+                         result.stats.seconds.total, result.stats.accuracy));
+    }
+}
+
+Json statsJson(const RenderOptions& o, const RenderStats& stats) {
+    Json seconds = {{"total", stats.seconds.total}};
+    for (const auto& [stage, value] : stagesOf(stats.seconds)) {
+        seconds[stage] = value;
+    }
+    Json json = {{"method", o.method},
+                 {"size", {o.params.width, o.params.height}},
+                 {"threads", threadCount()},
+                 {"output", o.output},
+                 {"records", stats.records},
+                 {"seconds", seconds},
+                 {"pixels_geometry", stats.pixels_geometry},
+                 {"pixels_uncovered", stats.pixels_uncovered},
+                 {"nonfinite_pixels", stats.nonfinite_pixels},
+                 {"negative_pixels", stats.negative_pixels},
+                 {"estimated_rel_rmse", stats.estimated_rel_rmse},
+                 {"estimate_low", stats.estimate_low},
+                 {"estimate_high", stats.estimate_high},
+                 {"accuracy", stats.accuracy},
+                 {"gather_size", stats.gather_size},
+                 {"passes", stats.passes},
+                 {"diffuse_share", stats.diffuse_share},
+                 {"corrected_share", stats.corrected_share},
+                 {"too_glossy_share", stats.too_glossy_share},
+                 {"aa", o.params.aa},
+                 {"pixels_edges", stats.pixels_edges},
+                 {"edge_records", stats.edge_records},
+                 {"sh_order", shOrders(stats.sh_order)},
+                 {"gl_renderer", stats.gl_renderer}};
+    if (usesCache(o.params.method)) {
+        json["gather"] = o.gather;
+        json["elements"] = stats.elements;
+        json["elements_missed_share"] = stats.elements_missed_share;
+    }
+    if (tracesPaths(o.params.method)) {
+        json["mrays_per_second"] = stats.mrays_per_second;
+        json["spp"] = stats.spp;
+    }
+    return json;
+}
+
+void printStats(const RenderOptions& o, const RenderStats& stats) {
+    std::string stages;
+    for (const auto& [stage, value] : stagesOf(stats.seconds)) {
+        if (value > 0.0) {
+            stages += fmt::format("{}{} {:.3f}", stages.empty() ? "" : ", ", stage, value);
+        }
+    }
+    fmt::print("seconds   {:.3f}: {}\n", stats.seconds.total, stages);
+    if (tracesPaths(o.params.method)) {
+        fmt::print("rays      {:.2f} million a second, {} threads; {} paths a pixel\n",
+                   stats.mrays_per_second, threadCount(), stats.spp);
+    } else {
+        fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
+                   stats.pixels_uncovered, stats.pixels_geometry);
+    }
+    if (usesCache(o.params.method)) {
+        fmt::print("gather    {}\n", o.gather);
+        if (stats.elements > 0) {
+            fmt::print(
+                "bounces   {}: kept at {} elements, none near for {:.2g}% of what asks them\n",
+                o.bounces, stats.elements, 100.0 * stats.elements_missed_share);
+        }
+        if (std::isfinite(stats.estimated_rel_rmse)) {
+            fmt::print("estimate  rel_rmse of the indirect light {:.1f}% ({:.1f} to {:.1f}%)\n",
+                       100 * stats.estimated_rel_rmse, 100 * stats.estimate_low,
+                       100 * stats.estimate_high);
+        } else {
+            fmt::print("estimate  none: no indirect light is seen\n");
+        }
+        if (o.params.target_error > 0.0 || o.params.time_limit > 0.0) {
+            fmt::print("accuracy  {:.3g}, found in {} passes\n", stats.accuracy, stats.passes);
+        }
+        fmt::print(
+            "pixels    diffuse {:.1f}%, corrected by rays {:.1f}%, too glossy for the cache "
+            "{:.1f}%\n",
+            100.0 * stats.diffuse_share, 100.0 * stats.corrected_share,
+            100.0 * stats.too_glossy_share);
+        if (o.params.aa > 1) {
+            fmt::print("edges     {} pixels of {} samples; {} records for what no pixel sees\n",
+                       stats.pixels_edges, o.params.aa, stats.edge_records);
+        }
+        fmt::print("materials {}\n", orderSummary(stats.sh_order));
+        fmt::print("renderer  {}, {} threads\n", stats.gl_renderer, threadCount());
+    }
+    if (stats.negative_pixels > 0) {
+        fmt::print("clamped   {} negative pixels\n", stats.negative_pixels);
+    }
+    fmt::print("wrote     {} ({}x{}, {})\n", o.output, o.params.width, o.params.height, o.method);
+}
+
+}  // namespace sheen::cli
