@@ -154,18 +154,57 @@ TEST(ScatteredAgain, AMirrorShowsTheRoom) {
     EXPECT_NEAR(shown, wall, kTolerance * wall);
 }
 
+// Nor on who asks first.
 TEST(ScatteredAgain, DoesNotDependOnThreads) {
     const Scene scene = glossyRoom();
     const vec3 eye(0.1f, 0.2f, 0.3f);
+    const std::vector<vec3> eyes = {eye, vec3(-0.3f, 0.1f, 0.2f), vec3(0.2f, -0.4f, -0.1f)};
     const int threads = threadCount();
-    std::vector<vec3> means;
+    std::vector<std::vector<vec3>> means;
     for (const int count : {1, 4}) {
         setThreadCount(count);
         const Lit lit(scene, eye, kAllBounces);
-        means.push_back(meanRadiance(lit.again, eye));
+        std::vector<vec3> seen(eyes.size());
+        parallelFor(static_cast<int>(eyes.size()), [&](int i) {
+            const auto k =
+                static_cast<size_t>(count == 1 ? i : static_cast<int>(eyes.size()) - 1 - i);
+            seen[k] = meanRadiance(lit.again, eyes[k]);
+        });
+        means.push_back(seen);
     }
     setThreadCount(threads);
     EXPECT_EQ(means[0], means[1]);
+}
+
+// Elements far from the origin, or in scenes of other units, are found as well.
+TEST(ScatteredAgain, WorksFarOffAndAtAnyScale) {
+    const vec3 eye(0.4f, 0.3f, -0.2f);
+    const double expected = [&] {
+        const Scene scene = sphereRoom(0.5f);
+        const Lit lit(scene, eye, kAllBounces);
+        return meanRadiance(lit.again, eye).y / meanRadiance(lit.once, eye).y;
+    }();
+    for (const float scale : {1e-4f, 1e4f}) {
+        const Scene scene = scaled(sphereRoom(0.5f), scale);
+        const Lit lit(scene, scale * eye, kAllBounces);
+        EXPECT_NEAR(meanRadiance(lit.again, scale * eye).y / meanRadiance(lit.once, scale * eye).y,
+                    expected, 1e-3 * expected);
+    }
+    // A pebble so far off that floats hardly tell its points apart.
+    Scene scene = sphereRoom(0.5f);
+    addBox(scene, vec3(1e6f), vec3(1e6f + 1.0f), addMaterial(scene, diffuseParams(vec3(0.5f))),
+           false);
+    std::vector<ElementSite> sites;
+    const Tracer tracer(scene);
+    Hit hit;
+    const vec3 d = glm::normalize(vec3(1.0f));
+    tracer.meet({.origin = vec3(1e6f - 1.0f), .directions = {&d, 1}}, &hit);
+    ASSERT_TRUE(hit.found());
+    sites.push_back(elementSiteAt(scene, hit, vec2(hit.u, hit.v), -d));
+    for (const ElementSite& site : seenFrom(tracer, eye, 64)) {
+        sites.push_back(site);
+    }
+    EXPECT_GT(placeElements(tracer, sites).size(), 0u);
 }
 
 // Nothing is there, or nothing shines.

@@ -86,6 +86,38 @@ TEST(AgainstTheReference, APolishedMetalFloorSeenAtAGrazingAngle) {
     EXPECT_LT(std::abs(c.bias), kGlossyBias);
 }
 
+// All bounces of a lamp, a sky through an open side and a point light, by what is kept and by ways
+// that go on: light of each kind counts once.
+TEST(AgainstTheReference, AllBouncesOfEveryKindOfLight) {
+    constexpr double kRmse = 0.04, kBias = 0.01;
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.7f)));
+    const uint32_t blue = addMaterial(scene, diffuseParams(vec3(0.2f, 0.3f, 0.6f)));
+    const uint32_t metal = addMaterial(scene, glossyParams(vec3(0.9f, 0.8f, 0.6f), 1.0f, 0.5f));
+    const uint32_t lamp = addMaterial(scene, diffuseParams(vec3(0.0f), vec3(6.0f)));
+    addQuad(scene, vec3(-1, -1, -1), vec3(0, 0, 2), vec3(2, 0, 0), white);  // floor
+    addQuad(scene, vec3(-1, 1, -1), vec3(2, 0, 0), vec3(0, 0, 2), white);   // ceiling
+    addQuad(scene, vec3(-1, -1, -1), vec3(2, 0, 0), vec3(0, 2, 0), white);  // back
+    addQuad(scene, vec3(-1, -1, -1), vec3(0, 2, 0), vec3(0, 0, 2), blue);   // left
+    addQuad(scene, vec3(1, -1, -1), vec3(0, 0, 2), vec3(0, 2, 0), metal);   // right
+    addQuad(scene, vec3(-0.2f, 0.98f, -0.2f), vec3(0.4f, 0, 0), vec3(0, 0, 0.4f), lamp);
+    scene.lights.push_back(pointLight(vec3(-0.5f, 0.2f, 0.3f), vec3(0.4f)));
+    scene.environment.texels = Image<vec3>(1, 1, vec3(0.3f, 0.4f, 0.6f));
+    scene.cameras.push_back(lookAt(vec3(0.1f, 0.0f, 2.8f), vec3(0.0f, -0.1f, 0.0f)));
+    constexpr int kSide = 16;
+    ReferenceParams paths = smallParams(scene, kSide, 2048);
+    paths.bounces = kAllBounces;
+    RenderParams params = smallRender(kSide, kSide);
+    params.bounces = kAllBounces;
+    const ReferenceResult truth = renderReference(scene, paths);
+    const RenderResult result = renderFrame(scene, params);
+    EXPECT_GT(result.stats.elements, 0u);
+    const Comparison c = compare(result.frame.indirect, result.frame, truth.frame.indirect,
+                                 truth.frame.indirect_variance, truth.frame);
+    EXPECT_LT(c.rel_rmse, kRmse);
+    EXPECT_LT(std::abs(c.bias), kBias);
+}
+
 TEST(AgainstTheReference, EveryWayToGather) {
     const Scene scene =
         cornellRoom(diffuseParams(vec3(0.6f)), glossyParams(vec3(0.9f), 1.0f, 0.5f));

@@ -54,6 +54,36 @@ TEST(Veils, SunPassesThemOnItsWayDownAndUp) {
     }
 }
 
+// A frame beside a pane, before nothing: what they stop covers the image, however they meet in a
+// pixel; and of several panes the nearest is shown.
+TEST(Veils, CoverWhatTheyStopBeforeNothing) {
+    constexpr float kAlpha = 0.3f;
+    Scene scene;
+    const uint32_t frame = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    const uint32_t pane = addVeil(scene, vec3(0.5f), kAlpha);
+    const uint32_t behind = addVeil(scene, vec3(0.5f), kAlpha);
+    addQuad(scene, vec3(-9, -9, 0), vec3(9.03f, 0, 0), vec3(0, 18, 0), frame);
+    addQuad(scene, vec3(0.03f, -9, 0), vec3(9, 0, 0), vec3(0, 18, 0), pane);
+    addQuad(scene, vec3(0.03f, -9, -1), vec3(9, 0, 0), vec3(0, 18, 0), behind);
+    scene.lights.push_back(directionalLight(vec3(0, 0, -1), vec3(1.0f)));
+    scene.cameras.push_back(lookAt(vec3(0, 0, 4), vec3(0.0f)));
+    const float panes = 1.0f - (1.0f - kAlpha) * (1.0f - kAlpha);
+    for (const int aa : {1, 16}) {
+        RenderParams params = smallRender(8, 8);
+        params.aa = aa;
+        ReferenceParams by_paths = smallParams(scene, 8, 64);
+        by_paths.pixel_area = aa > 1;
+        for (const Frame& f :
+             {renderFrame(scene, params).frame, renderReference(scene, by_paths).frame}) {
+            const Image<float> covered = alpha(f);
+            EXPECT_NEAR(covered.at(1, 4), 1.0f, 1e-6f) << "aa " << aa;
+            EXPECT_NEAR(covered.at(6, 4), panes, 1e-5f) << "aa " << aa;
+            EXPECT_GE(covered.at(4, 4), panes - 1e-5f) << "aa " << aa;
+            EXPECT_EQ(f.primitive.at(6, 4) / 2, 1u) << "the nearest pane is shown, aa " << aa;
+        }
+    }
+}
+
 TEST(Veils, StopTheirShareOfRaysAndLight) {
     const Scene scene = Panes().scene;
     const Tracer tracer(scene);

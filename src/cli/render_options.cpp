@@ -74,15 +74,17 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
                        "state them, highlights compressed) or none (clipped)")
             ->check(CLI::IsMember(keysOf(kTones)))
             ->capture_default_str();
-    o.aa_option = app.add_option("--aa", o.params.aa,
-                                 fmt::format("Samples of a pixel through which an edge passes; 1: "
-                                             "each pixel shows its middle. More than 1: radiance "
-                                             "and irradiance by rays, whose default is {}, and "
-                                             "reference, which then sees whole pixels",
-                                             kSmoothEdges))
-                      ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))
-                      ->type_name("N")
-                      ->default_str("");
+    o.aa_option =
+        app.add_option("--aa", o.params.aa,
+                       fmt::format("Samples of a pixel through which an edge passes; 1: "
+                                   "each pixel shows its middle. Default: {} for radiance "
+                                   "and irradiance by rays and for reference, which then "
+                                   "sees whole pixels; 1 for all else, which have no "
+                                   "other",
+                                   kSmoothEdges))
+            ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))
+            ->type_name("N")
+            ->default_str("");
     o.layers_option = app.add_option("--layers", o.layers,
                                      "EXR only: basic (beauty, direct, indirect) or all "
                                      "(also normals, depth, record weights, ...)")
@@ -114,10 +116,8 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
         any_cache);
     limited(app.add_option("--target-error", p.target_error,
                            "radiance, irradiance: render again at finer accuracies until the "
-                           "estimated relative error of the indirect light, at the upper end of "
-                           "its interval, is at "
-                           "most this, "
-                           "0.002..0.5")
+                           "estimated relative error of the indirect light at pixels' middles, at "
+                           "the upper end of its interval, is at most this, 0.002..0.5")
                 ->check(numberIn(0.002, 0.5))
                 ->excludes(accuracy)
                 ->default_str(""),

@@ -55,7 +55,7 @@ float Elements::Element::weight(const vec3& p, const vec3& n) const {
 }
 
 uint64_t Elements::keyOf(int level, const vec3& scaled) {
-    // Positions fit: a voxel is no smaller than what floats tell apart.
+    // Of voxels that share a key by chance, each finds the elements of both, which weigh nothing.
     constexpr uint64_t kMask = (uint64_t{1} << 18u) - 1;
     const auto part = [](float x) {
         return static_cast<uint64_t>(static_cast<int64_t>(std::floor(x))) & kMask;
@@ -111,7 +111,10 @@ void Elements::add(const ElementSite& site) {
 void Elements::index(size_t i) {
     const ElementSite& site = elements_[i].site;
     const float reach = kReach * site.spacing;
-    const int level = std::ilogb(reach);
+    // No voxel is smaller than what floats tell apart there, nor than 18 bits of a key hold.
+    const float least =
+        std::max(0x1p-16f * maxAbs(site.side.position), std::numeric_limits<float>::min());
+    const int level = std::ilogb(std::max(reach, least));
     const float scale = std::ldexp(1.0f, -level);
     const vec3 lower = glm::floor((site.side.position - reach) * scale);
     const vec3 upper = glm::floor((site.side.position + reach) * scale);

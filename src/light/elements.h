@@ -33,9 +33,8 @@ class Elements {
     size_t size() const { return elements_.size(); }
     const ElementSite& site(size_t i) const { return elements_[i].site; }
 
-    /// Whether there should be one more: none is closer to the site than its spacing.
+    /// Whether there should be one more: none that counts there is closer than its own spacing.
     bool lacks(const ElementSite& site) const;
-    /// Of all of them at least as far apart as that.
     void add(const ElementSite& site);
     /// Of element i: in its plane nothing stands nearer than `free`, by sector(), and others should
     /// lie no farther off than `spacing`. Counts for all of it from reindex() on.

@@ -12,6 +12,7 @@ constexpr size_t kBudget = 1 << 20;
 IrradianceCells::IrradianceCells(const Scene& scene, const std::vector<Bounds>& near) {
     const std::vector<uint32_t> n = gridDivisions(scene, near, kLengthOfSize, kBudget);
     size_t count = 0;
+    triangles_.reserve(n.size());
     for (size_t i = 0; i < n.size(); ++i) {
         const size_t cells = TriangleGrid{n[i]}.cellCount();
         triangles_.push_back({.first = static_cast<uint32_t>(count),

@@ -54,9 +54,10 @@ class IrradianceCells {
     static uint64_t pack(const vec3& irradiance) {
         uint64_t packed = 0;
         for (int channel = 0; channel < 3; ++channel) {
-            const uint64_t bits = (std::bit_cast<uint32_t>(std::max(irradiance[channel], 0.0f)) +
-                                   (1u << (kCut - 1))) >>
-                                  kCut;
+            const uint64_t bits =
+                (std::bit_cast<uint32_t>(irradiance[channel] > 0.0f ? irradiance[channel] : 0.0f) +
+                 (1u << (kCut - 1))) >>
+                kCut;
             packed |= bits << (kBits * channel);
         }
         return packed;

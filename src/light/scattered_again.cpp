@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/directions.h"
@@ -31,15 +31,13 @@ constexpr float kWidest = 0.1f;
 
 // Steps of the solution end where it changes by less than this share of itself, or after so many.
 constexpr double kDone = 1e-4;
-constexpr int kMostSteps = 2000;
+constexpr int kMostSteps = 500;
 
 // Different random numbers of one hit.
 enum Use : uint32_t { kWhether = 2, kWhere, kWhetherDiffuse, kWhereDiffuse, kWhich };
 
-// What a place says, and no count of places before it.
-uint32_t seedOf(const Hit& hit) {
-    return pcgHash(hit.triangle + pcgHash(std::bit_cast<uint32_t>(hit.u) +
-                                          pcgHash(std::bit_cast<uint32_t>(hit.v))));
+bool isFinite(const vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 // Ways that go on, together.
@@ -106,7 +104,7 @@ struct ScatteredAgain::Point {
     // Goes on along the lobe, by chance.
     void followLobe(const Scene& scene, size_t ray, const vec3& weight, Ways& ways) const {
         const float chance = std::min(kOftener * luminance(weight * specular_albedo), 1.0f);
-        const uint32_t seed = seedOf(hit);
+        const uint32_t seed = hashOfPoint(hit.triangle, hit.u, hit.v);
         if (randomPlace(seed, kWhether).x >= chance) {
             return;
         }
@@ -130,7 +128,7 @@ struct ScatteredAgain::Point {
     void followDiffuse(const Scene& scene, size_t ray, const vec3& weight, Ways& ways) const {
         const vec3 reflected = weight * albedo(scene);
         const float chance = std::min(kOftener * luminance(reflected), 1.0f);
-        const uint32_t seed = seedOf(hit);
+        const uint32_t seed = hashOfPoint(hit.triangle, hit.u, hit.v);
         if (randomPlace(seed, kWhetherDiffuse).x >= chance) {
             return;
         }
@@ -200,13 +198,16 @@ ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
         vec3 light[kTogether];
         tracer().meet(rays, hits);
         once_.radiance(rays, {hits, count}, light);
+        const auto add = [&](size_t, int followed, const vec3& radiance) {
+            vec3& sum = result.light[static_cast<size_t>(followed)];
+            sum += isFinite(radiance) ? kEach * radiance : vec3(0.0f);
+        };
         for (size_t i = 0; i < count; ++i) {
             // The sky's light, as that of lamps, is added where rays meet surfaces.
-            result.light[0] += hits[i].found() ? kEach * light[i] : vec3(0.0f);
+            if (hits[i].found()) {
+                add(i, 0, light[i]);
+            }
         }
-        const auto add = [&](size_t, int followed, const vec3& radiance) {
-            result.light[static_cast<size_t>(followed)] += kEach * radiance;
-        };
         const auto ask = [&](size_t, int followed, const Point& q, const vec3& weight,
                              const vec3& lobe) {
             const ElementSite at = q.site(scene());
@@ -215,7 +216,7 @@ ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
             for (size_t k = 0; k < near.count; ++k) {
                 sum += std::abs(near.weights[k]);
             }
-            float u = sum * randomPlace(seedOf(q.hit), kWhich).x;
+            float u = sum * randomPlace(hashOfPoint(q.hit.triangle, q.hit.u, q.hit.v), kWhich).x;
             for (size_t k = 0; k < near.count; ++k) {
                 const float w = near.weights[k];
                 u -= std::abs(w);
@@ -231,6 +232,7 @@ ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
         };
         follow(rays, {hits, count}, add, ask);
     }
+    result.terms.shrink_to_fit();
     return result;
 }
 
@@ -239,25 +241,44 @@ ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
 void ScatteredAgain::solve(std::span<const Equation> equations) {
     const auto ways = static_cast<size_t>(mostFollowed()) + 1;
     kept_.assign(ways, std::vector<vec3>(equations.size(), vec3(0.0f)));
+    double before = std::numeric_limits<double>::infinity();
     for (int k = 1; k < bounces_ && k <= kMostSteps; ++k) {
-        std::vector<vec3> next(equations.size(), vec3(0.0f));
-        double change = 0.0, all = 0.0;
-        for (size_t i = 0; i < equations.size(); ++i) {
-            for (size_t followed = 0; followed < ways && followed < static_cast<size_t>(k);
-                 ++followed) {
-                next[i] += equations[i].light[followed];
-            }
-            for (const Equation::Term& term : equations[i].terms) {
-                next[i] += term.weight * kept_[static_cast<size_t>(term.followed)][term.element];
-            }
-            change += luminance(glm::abs(next[i] - kept_[0][i]));
-            all += luminance(next[i]);
+        std::vector<vec3> next(equations.size());
+        parallelFor(
+            static_cast<int>(equations.size()),
+            [&](int i) {
+                const Equation& equation = equations[static_cast<size_t>(i)];
+                vec3 sum(0.0f);
+                for (size_t f = 0; f < ways && f < static_cast<size_t>(k); ++f) {
+                    sum += equation.light[f];
+                }
+                for (const Equation::Term& term : equation.terms) {
+                    sum += term.weight * kept_[static_cast<size_t>(term.followed)][term.element];
+                }
+                next[static_cast<size_t>(i)] = glm::max(sum, vec3(0.0f));
+            },
+            64);
+        double change = 0.0, worst = 0.0;
+        for (size_t i = 0; i < next.size(); ++i) {
+            const double changed = luminance(glm::abs(next[i] - kept_[0][i]));
+            const double all = luminance(next[i]);
+            change += changed;
+            worst = all > 0.0 ? std::max(worst, changed / all) : worst;
         }
-        kept_.pop_back();
-        kept_.insert(kept_.begin(), std::move(next));
-        if (change <= kDone * all) {
+        // Once all light is in, each bounce brings less than the one before.
+        const bool settled = k > static_cast<int>(ways);
+        if (settled && change > before) {
             return;
         }
+        before = change;
+        kept_.pop_back();
+        kept_.insert(kept_.begin(), std::move(next));
+        if (settled && worst <= kDone) {
+            break;
+        }
+    }
+    if (bounces_ > kMostFollowed + 1) {  // more steps would change nothing
+        std::fill(kept_.begin() + 1, kept_.end(), kept_.front());
     }
 }
 
@@ -271,6 +292,9 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
     const int most = mostFollowed();
     const auto goOn = [&](const Hit& hit, const vec3& wo, size_t ray, int followed,
                           const vec3& weight, Ways& next) {
+        if (followed == bounces_ - 1) {
+            return;  // scattered often enough
+        }
         const Point q(scene(), hit, wo);
         const bool last = followed == most;
         const bool known = ask(ray, followed, q, weight, last ? q.specular_albedo : vec3(0.0f));
@@ -316,15 +340,24 @@ ScatteredAgain::Neighbours ScatteredAgain::neighbours(const vec3& p, const vec3&
     std::array<vec2, Neighbours::kMost> places;  // in the plane
     float sum = 0.0f, spread = 0.0f;
     elements_.around(p, n, [&](size_t i, float weight) {
-        if (near.count < Neighbours::kMost) {
-            places[near.count] = vec2((elements_.site(i).side.position - p) * frame);
-            near.elements[near.count] = static_cast<uint32_t>(i);
-            near.weights[near.count] = weight;
-            sum += weight;
-            spread += weight * glm::dot(places[near.count], places[near.count]);
+        size_t k = near.count;
+        if (k == Neighbours::kMost) {  // for the one that counts least
+            k = static_cast<size_t>(std::min_element(near.weights.begin(), near.weights.end()) -
+                                    near.weights.begin());
+            if (near.weights[k] >= weight) {
+                return;
+            }
+        } else {
             ++near.count;
         }
+        near.elements[k] = static_cast<uint32_t>(i);
+        near.weights[k] = weight;
     });
+    for (size_t k = 0; k < near.count; ++k) {
+        places[k] = vec2((elements_.site(near.elements[k]).side.position - p) * frame);
+        sum += near.weights[k];
+        spread += near.weights[k] * glm::dot(places[k], places[k]);
+    }
     if (near.count == 0) {
         return near;
     }
@@ -337,8 +370,17 @@ ScatteredAgain::Neighbours ScatteredAgain::neighbours(const vec3& p, const vec3&
     normal[1][1] += kStiffness;
     normal[2][2] += kStiffness;
     const vec3 plane = glm::inverse(normal)[0];
+    float magnitude = 0.0f;
+    std::array<float, Neighbours::kMost> fit;
     for (size_t k = 0; k < near.count; ++k) {
-        near.weights[k] *= glm::dot(plane, vec3(1.0f, unit * places[k])) / sum;
+        near.weights[k] /= sum;
+        fit[k] = near.weights[k] * glm::dot(plane, vec3(1.0f, unit * places[k]));
+        magnitude += std::abs(fit[k]);
+    }
+    // Far from all of them a plane would make much of their differences.
+    const float share = std::min(1.0f / std::max(magnitude - 1.0f, 1e-6f), 1.0f);
+    for (size_t k = 0; k < near.count; ++k) {
+        near.weights[k] = glm::mix(near.weights[k], fit[k], share);
     }
     return near;
 }
@@ -364,9 +406,12 @@ void ScatteredAgain::radiance(const Rays& rays, std::span<const Hit> hits, vec3*
     follow(
         rays, hits, [&](size_t ray, int, const vec3& light) { radiance[ray] += light; },
         [&](size_t ray, int followed, const Point& q, const vec3& weight, const vec3& lobe) {
-            // Of a Lambertian surface what is reflected is kept, textures included.
+            // Of a Lambertian surface what is reflected is kept, textures included; by
+            // the side of the triangle alone, not by where it is seen from.
+            const vec3 n_g = geometricNormal(scene(), static_cast<int>(q.hit.triangle));
+            const vec3 side = q.hit.back ? -n_g : n_g;
             const auto find = [&](const vec2& uv) {
-                const auto kept = irradiance(elementSiteAt(scene(), q.hit, uv, q.wo), followed);
+                const auto kept = irradiance(elementSiteAt(scene(), q.hit, uv, side), followed);
                 return kept && q.lambertian ? std::optional(*kept * q.albedoAt(scene(), uv)) : kept;
             };
             // Cells keep what is asked for where rays meet a surface first.

@@ -177,7 +177,8 @@ void EdgeFinder::findPixels() {
                 const size_t k = corners.image.index(x + corner.x, y + corner.y);
                 found =
                     found || !seesTheSame(own, placeOf(scene, corners, k), grid_.view.origin) ||
-                    (pixels_.seen(i) && contrasts(corners.diffuse.pixels[k], pixels_.diffuse[i]));
+                    (pixels_.seen(i) && (contrasts(corners.diffuse.pixels[k], pixels_.diffuse[i]) ||
+                                         contrasts(corners.f0.pixels[k], pixels_.f0[i])));
             }
             for (const ivec2& way : {ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1)}) {
                 const ivec2 at = ivec2(x, y) + way;
@@ -265,10 +266,10 @@ EdgeFinder::Look EdgeFinder::lookAt(size_t pixel, const GBuffer& seen, size_t fi
         }
         const Place place = placeOf(scene, seen, i);
         noteNext(pixel, samples_[i - first_sample], place, look.next);
+        look.mean.coverage += seen.seen(i) ? all : all - part;
         if (!seen.seen(i)) {
             continue;
         }
-        look.mean.coverage += all;
         int receiver = 0;
         if (const std::optional<size_t> host = pixelOfSurface(pixel, place)) {
             receiver = static_cast<int>(*host);

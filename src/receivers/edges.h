@@ -20,7 +20,7 @@ struct EdgeShare {
 /// Means over the samples of one pixel.
 struct EdgePixel {
     size_t pixel = 0;
-    float coverage = 0;  ///< of them, see a surface
+    float coverage = 0;  ///< of them, see a surface, or of the light that panes before nothing stop
     vec3 direct{0.0f};
     vec3 emission{0.0f};
     size_t first_share = 0;  ///< of its shares, up to the next pixel's

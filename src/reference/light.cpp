@@ -199,12 +199,19 @@ std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ive
     return parts;
 }
 
-void show(const RayScene& rays, const Camera& camera, const Sighting& part, int x, int y,
-          Frame& frame, Counters& counters) {
+void addLight(const RayScene& rays, const Sighting& part, int x, int y, Frame& frame,
+              Counters& counters) {
     frame.emission.at(x, y) += part.share * part.emission;
-    if (!part.surface) {
-        return;
+    const vec3 direct =
+        part.surface ? part.share * directRadiance(rays, *part.surface, counters) : vec3(0.0f);
+    if (finite(direct)) {
+        frame.direct.at(x, y) += direct;
+    } else {
+        ++counters.nonfinite;
     }
+}
+
+void setGBuffer(const Camera& camera, const Sighting& part, int x, int y, Frame& frame) {
     const Surface& p = *part.surface;
     const vec3 origin = cameraRay(camera, frame.width(), frame.height(), static_cast<float>(x),
                                   static_cast<float>(y))
@@ -216,12 +223,6 @@ void show(const RayScene& rays, const Camera& camera, const Sighting& part, int 
     frame.normal.at(x, y) = p.n;
     frame.albedo.at(x, y) = p.brdf.diffuse;
     frame.roughness.at(x, y) = p.roughness;
-    const vec3 direct = part.share * directRadiance(rays, p, counters);
-    if (finite(direct)) {
-        frame.direct.at(x, y) += direct;
-    } else {
-        ++counters.nonfinite;
-    }
 }
 
 std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
@@ -229,7 +230,10 @@ std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int 
     const ivec2 size(frame.width(), frame.height());
     Sighting nearest = look(rays, camera, size, vec2(x, y), counters).front();
     nearest.share = 1.0f;
-    show(rays, camera, nearest, x, y, frame, counters);
+    addLight(rays, nearest, x, y, frame, counters);
+    if (nearest.surface) {
+        setGBuffer(camera, nearest, x, y, frame);
+    }
     return nearest.surface;
 }
 

@@ -82,10 +82,12 @@ struct Sighting {
 std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ivec2& size,
                            const vec2& place, Counters& counters);
 
-/// Adds a part of what pixel (x, y) sees to `frame`: its share of emission and of direct light by
-/// punctual lights; and sets the pixel's G-buffer where there is a surface.
-void show(const RayScene& rays, const Camera& camera, const Sighting& part, int x, int y,
-          Frame& frame, Counters& counters);
+/// Adds a part of what the middle of pixel (x, y) sees to `frame`: its share of emission and of
+/// direct light by punctual lights.
+void addLight(const RayScene& rays, const Sighting& part, int x, int y, Frame& frame,
+              Counters& counters);
+/// Makes a part with a surface what the layers of the G-buffer say of the pixel.
+void setGBuffer(const Camera& camera, const Sighting& part, int x, int y, Frame& frame);
 
 /// The nearest surface at the centre of pixel (x, y), if there is one, taken as one through which
 /// nothing is seen; shown in `frame`.

@@ -1,5 +1,6 @@
 #include "reference/reference.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <optional>
@@ -97,16 +98,16 @@ class Pixel {
         }
         const vec2 place = owenSobol(index, hashCombine(seed, kPlaceSeed)) - 0.5f;
         float u = owenSobol(index, hashCombine(seed, kPartSeed)).x;
-        PathStart from;
+        PathStart from{.start = {}, .coverage = 1.0f};
         // One of the surfaces, by its share of the light.
         for (const Sighting& part :
              look(context_.rays, params.camera, {params.width, params.height}, vec2(x_, y_) + place,
                   counters)) {
             from.emission += part.share * part.emission;
             if (!part.surface) {
+                from.coverage = 1.0f - part.share;
                 break;
             }
-            from.coverage = 1.0f;
             if (u >= 0.0f && u < part.share) {
                 from.start.emplace(*part.surface);
             }
@@ -186,7 +187,8 @@ vec3 followPath(const Context& context, const Surface& start, const DirectionSam
         if (bounces == kAllBounces && bounce > kSureBounces) {
             const float chance =
                 std::min(std::max({throughput.x, throughput.y, throughput.z}), kLikeliest);
-            if (owenSobol(index, hashCombine(bounce_seed, kRouletteSeed)).x >= chance) {
+            // So that a path of no number ends too.
+            if (!(owenSobol(index, hashCombine(bounce_seed, kRouletteSeed)).x < chance)) {
                 break;
             }
             throughput /= chance;
@@ -384,21 +386,26 @@ void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
         }
         estimateIndirect(context, pixel, result.frame, counters);
     };
-    for (const Sighting& part :
-         look(context.rays, params.camera, {params.width, params.height}, vec2(x, y), counters)) {
-        show(context.rays, params.camera, part, x, y, result.frame, counters);
-        if (!part.surface) {
-            break;
-        }
-        result.specular_albedo.at(x, y) = part.surface->specular_albedo;
-        if (!params.pixel_area) {
-            pixel.startFrom(*part.surface, part.share);
-            estimate();
-        }
+    const std::vector<Sighting> parts =
+        look(context.rays, params.camera, {params.width, params.height}, vec2(x, y), counters);
+    // What lies behind panes or, where that is nothing, the nearest of them.
+    const Sighting& shown = parts.back().surface ? parts.back() : parts.front();
+    if (shown.surface) {
+        setGBuffer(params.camera, shown, x, y, result.frame);
+        result.specular_albedo.at(x, y) = shown.surface->specular_albedo;
     }
     if (params.pixel_area) {
-        result.frame.direct.at(x, y) = vec3(0.0f);
         estimate();
+        return;
+    }
+    for (const Sighting& part : parts) {
+        addLight(context.rays, part, x, y, result.frame, counters);
+        if (part.surface) {
+            pixel.startFrom(*part.surface, part.share);
+            estimate();
+        } else if (!result.frame.coverage.empty()) {
+            result.frame.coverage.at(x, y) = 1.0f - part.share;
+        }
     }
 }
 
@@ -448,8 +455,9 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
           &result.frame.direct_variance, &result.specular_albedo}) {
         *layer = Image<vec3>(params.width, params.height, vec3(0.0f));
     }
-    if (params.pixel_area) {
-        result.frame.coverage = Image<float>(params.width, params.height);
+    if (params.pixel_area || std::any_of(scene.materials.begin(), scene.materials.end(),
+                                         [](const Material& m) { return m.blended; })) {
+        result.frame.coverage = Image<float>(params.width, params.height, 1.0f);
     }
     std::atomic<int64_t> ray_count{0};
     std::atomic<int64_t> nonfinite{0};

@@ -36,10 +36,15 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
             order = std::max(order, materialOrder(scene, scene.materials[i], params.sh_order));
         }
     }
+    // Blended surfaces are rendered beside what lies behind them.
+    bool blended = false;
+    for (size_t i = 0; i < used.size(); ++i) {
+        blended = blended || (used[i] && scene.materials[i].blended);
+    }
     const uint64_t each = kByRecords + (params.aa > 1 ? kOfEdges : 0) +
                           (order > shared::DIFFUSE_ORDER ? kByRays : 0) +
                           kPerCoefficient * static_cast<uint64_t>(order * order);
-    return each * pixels + kDrawn * std::min<uint64_t>(pixels, kBandPixels);
+    return (blended ? 2 : 1) * each * pixels + kDrawn * std::min<uint64_t>(pixels, kBandPixels);
 }
 
 }  // namespace
@@ -47,8 +52,8 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
 void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kProgram = uint64_t{128} << 20;
     constexpr uint64_t kPerTriangle = 650;
-    constexpr uint64_t kKept = uint64_t{48} << 20;  // light of more than one bounce
-    constexpr uint64_t kKeptPerTriangle = 28;
+    constexpr uint64_t kKept = uint64_t{64} << 20;  // light of more than one bounce
+    constexpr uint64_t kKeptPerTriangle = 40;
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
     const bool keeps = usesRecords(params.method) && params.bounces > 1;

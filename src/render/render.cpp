@@ -196,6 +196,21 @@ SplatBuffer splatStrays(SceneState& state, const ViewState& view, const RecordCa
     return splat;
 }
 
+// What samples of edges see, for what their pixels' middles do.
+ComposeCounts smoothEdges(SceneState& state, const ViewState& view, const RecordCache& cache,
+                          const PlacementParams& how, const HemisphereParams& hemisphere,
+                          const LitReceivers& pixels, RenderResult& result) {
+    const Receivers& strays = view.edges->strays;
+    const SplatBuffer splat = splatStrays(state, view, cache, how, hemisphere, result.stats);
+    Image<vec3> specular;
+    if (!view.stray_specular.pixels.empty()) {
+        specular =
+            reflectSpecular(strays, view.stray_specular, cachedSpecular(strays, splat), false);
+    }
+    result.stats.pixels_edges = static_cast<int>(view.edges->pixels.size());
+    return blendEdges(*view.edges, pixels, {strays, splat, specular}, result.frame);
+}
+
 // placement, which gathers and projects -> splat -> compose. A pass that is given up has changed
 // nothing of `result` but times.
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
@@ -235,7 +250,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
         specular =
             reflectSpecular(view.receivers, view.specular, cachedSpecular(view.receivers, splat));
     }
-    const ComposeCounts counts =
+    ComposeCounts counts =
         compose(view.receivers, splat, specular, params.all_layers, result.frame);
     if (!view.edges) {
         splat = {};
@@ -245,16 +260,8 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
         state, params, view, placement.cache, how.servingWeight(), hemisphere,
         view.receivers.irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
     if (view.edges) {
-        const Receivers& strays = view.edges->strays;
-        const SplatBuffer stray_splat =
-            splatStrays(state, view, placement.cache, how, hemisphere, stats);
-        Image<vec3> stray_specular;
-        if (!view.stray_specular.pixels.empty()) {
-            stray_specular = reflectSpecular(strays, view.stray_specular,
-                                             cachedSpecular(strays, stray_splat), false);
-        }
-        blendEdges(*view.edges, {view.receivers, splat, specular},
-                   {strays, stray_splat, stray_specular}, result.frame);
+        counts.add(smoothEdges(state, view, placement.cache, how, hemisphere,
+                               {view.receivers, splat, specular}, result));
     }
     if (params.all_layers) {
         result.frame.records = countRecords(view.receivers, placement.cache, how.servingWeight());
@@ -378,7 +385,6 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     stats.corrected_share = counts.corrected / seen;
     stats.too_glossy_share = counts.too_glossy / seen;
     stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
-    stats.pixels_edges = view.edges ? static_cast<int>(view.edges->pixels.size()) : 0;
     if (view.again) {
         stats.elements = view.again->elementCount();
         stats.elements_missed_share = view.again->missedShare();

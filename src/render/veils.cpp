@@ -75,6 +75,15 @@ VeiledFrame::VeiledFrame(RenderResult& whole, const Image<float>& share) : whole
     if (!share.empty()) {
         dim(whole.frame, share);
         count(whole);
+        // Before nothing, panes cover what they stop.
+        Frame& frame = whole.frame;
+        frame.coverage = alpha(frame);
+        for (size_t i = 0; i < share.pixels.size(); ++i) {
+            if (frame.primitive.pixels[i] == kNoPrimitive) {
+                frame.coverage.pixels[i] =
+                    std::max(frame.coverage.pixels[i], 1.0f - share.pixels[i]);
+            }
+        }
     }
 }
 
@@ -92,15 +101,17 @@ void VeiledFrame::add(RenderResult veil, const Image<float>& share) {
             showInstead(veil.frame, i, frame);
         }
     }
-    for (size_t i = 0; i < frame.coverage.pixels.size(); ++i) {
-        frame.coverage.pixels[i] =
-            std::max(frame.coverage.pixels[i], veil.frame.coverage.pixels[i]);
-    }
     RenderStats& stats = whole_.stats;
-    stats.seconds = veil.stats.seconds;
-    stats.records += veil.stats.records;
-    stats.pixels_uncovered += veil.stats.pixels_uncovered;
-    stats.negative_pixels += veil.stats.negative_pixels;
+    const RenderStats& of_veil = veil.stats;
+    stats.seconds = of_veil.seconds;
+    stats.records += of_veil.records;
+    stats.edge_records += of_veil.edge_records;
+    stats.pixels_edges += of_veil.pixels_edges;
+    stats.pixels_uncovered += of_veil.pixels_uncovered;
+    stats.negative_pixels += of_veil.negative_pixels;
+    stats.passes += of_veil.passes;
+    stats.gather_size = std::max(stats.gather_size, of_veil.gather_size);
+    stats.accuracy = std::min(stats.accuracy, of_veil.accuracy);
     stats.estimated_rel_rmse = error_.relativeTo(light_, pixels_);
     stats.estimate_low = low_.relativeTo(light_, pixels_);
     stats.estimate_high = high_.relativeTo(light_, pixels_);

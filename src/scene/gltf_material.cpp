@@ -201,6 +201,7 @@ void readTransmission(File& file, const tinygltf::Value& extension, const std::s
     const float cover = std::max(1.0f - enters * (1.0f - reflected) * tint, kLeastCover);
     params.base_color = glm::min(params.base_color * (1.0f - enters) / cover, vec3(1.0f));
     params.specular_color /= cover;
+    params.emission /= cover;
     material.alpha = (material.lightPasses() ? material.alpha : 1.0f) * cover;
     material.blended = true;
 }
@@ -235,10 +236,12 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     material.normal_texture = loader.use(infoOf(source.normalTexture), false, where);
     material.normal_scale = finiteFloat(file, source.normalTexture.scale, where, "scale");
     readCoverage(file, source, where, material);
-    if (const auto* extension = extensionOf(source, "KHR_materials_transmission")) {
+    const bool unlit = source.extensions.count("KHR_materials_unlit") > 0;
+    if (const auto* extension = extensionOf(source, "KHR_materials_transmission");
+        extension != nullptr && !unlit) {
         readTransmission(file, *extension, where, material);
     }
-    if (source.extensions.count("KHR_materials_unlit") > 0) {
+    if (unlit) {
         makeUnlit(material);
     }
     return material;

@@ -126,11 +126,14 @@ ComposeCounts compose(const Receivers& receivers, const SplatBuffer& splat,
     return {.nonfinite = nonfinite, .negative = negative};
 }
 
-void blendEdges(const Edges& edges, const LitReceivers& pixels, const LitReceivers& strays,
-                Frame& frame) {
+ComposeCounts blendEdges(const Edges& edges, const LitReceivers& pixels, const LitReceivers& strays,
+                         Frame& frame) {
     frame.coverage = alpha(frame);
-    const auto set = [](vec3& layer, const vec3& value) {
-        layer = finite(value) ? value : vec3(0.0f);
+    std::atomic<int> nonfinite{0};
+    const auto set = [&nonfinite](vec3& layer, const vec3& value) {
+        const bool sound = finite(value);
+        layer = sound ? value : vec3(0.0f);
+        nonfinite += sound ? 0 : 1;
     };
     constexpr int kGrain = 64;
     parallelFor(
@@ -161,6 +164,7 @@ void blendEdges(const Edges& edges, const LitReceivers& pixels, const LitReceive
             }
         },
         kGrain);
+    return {.nonfinite = nonfinite};
 }
 
 }  // namespace sheen

@@ -52,6 +52,11 @@ Image<float> countRecords(const Receivers& receivers, const RecordCache& cache,
 struct ComposeCounts {
     int nonfinite = 0;  ///< set to zero
     int negative = 0;   ///< pixels with a channel below zero, clamped
+
+    void add(const ComposeCounts& other) {
+        nonfinite += other.nonfinite;
+        negative += other.negative;
+    }
 };
 
 /// Divides by the weights, applies the reflectances and fills the frame's layers. `by_rays`: what
@@ -68,8 +73,8 @@ struct LitReceivers {
 };
 
 /// Makes pixels with edges, in the layers of light that compose() filled, what their samples see on
-/// average. What is not finite counts as black.
-void blendEdges(const Edges& edges, const LitReceivers& pixels, const LitReceivers& strays,
-                Frame& frame);
+/// average.
+ComposeCounts blendEdges(const Edges& edges, const LitReceivers& pixels, const LitReceivers& strays,
+                         Frame& frame);
 
 }  // namespace sheen
