@@ -59,6 +59,50 @@ LobeStart placeInPixel(const OutgoingLight& light, const Receivers& receivers, s
     return middle;
 }
 
+// A row of samples of a pixel: where in the lobe, and of which half the first one is.
+struct Row {
+    vec2 u[kRowSamples];
+    int half;
+};
+
+// Adds what they see. `sharing`: so many rays there are of the lobe; each stands for its part of
+// it.
+void castRow(const OutgoingLight& light, const Receivers& receivers, size_t i,
+             const LobeStart& from, const Row& row, float sharing, SpecularSeen& result) {
+    const mat3 frame = tangentFrame(from.n);
+    const vec3 wo_local = glm::transpose(frame) * from.wo;
+    vec3 directions[kRowSamples];
+    vec3 weights[kRowSamples];
+    int halves[kRowSamples];
+    float solid_angles[kRowSamples];
+    vec4 seen[kRowSamples];
+    size_t count = 0;
+    for (int k = 0; k < kRowSamples; ++k) {
+        const auto along =
+            sampleLobe(wo_local, receivers.alpha(i), receivers.f0[i], receivers.f90[i], row.u[k]);
+        if (!along) {
+            continue;
+        }
+        const int half = (row.half + k) % 2;
+        result.weight[half] += along->weight;
+        const vec3 direction = glm::normalize(frame * along->wi);
+        if (glm::dot(direction, from.n_g) > 0.0f) {
+            directions[count] = direction;
+            solid_angles[count] = std::min(1.0f / (sharing * along->density), kPi);
+            halves[count] = half;
+            weights[count++] = along->weight;
+        }
+    }
+    light.cast({.origin = from.eye,
+                .directions = {directions, count},
+                .solid_angles = {solid_angles, count}},
+               seen);
+    for (size_t k = 0; k < count; ++k) {
+        result.light[halves[k]] += weights[k] * vec3(seen[k]);
+        result.nearness += seen[k].w > 0.0f ? 1.0f / seen[k].w : 0.0f;
+    }
+}
+
 // What a pixel sees by this share of the usual rays, when `sharing` pixels share them. A ray sees
 // highlights as wide as the cone it stands for: where that is counted too wide, mirrored highlights
 // are blurred. Rays are weighted by the estimator of visible normals, F G2 / G1, whose mean is the
@@ -67,64 +111,26 @@ SpecularSeen see(const OutgoingLight& light, const Receivers& receivers, size_t 
                  float sharing, const SpecularParams& params, uint32_t sample = 0) {
     const LobeStart middle = middleOf(light.scene(), receivers, i);
     const bool area = params.pixel_area && receivers.isTooGlossy(i);  // wider lobes hide edges
-    const float alpha = receivers.alpha(i);
-    const vec3& f0 = receivers.f0[i];
-    const float f90 = receivers.f90[i];
-    const float wanted =
-        rays_share * std::min(params.rays_per_alpha * alpha, static_cast<float>(params.max_rays));
+    const float wanted = rays_share * std::min(params.rays_per_alpha * receivers.alpha(i),
+                                               static_cast<float>(params.max_rays));
     const int rows =
         std::max(static_cast<int>(std::ceil(wanted / kRowSamples)), area ? kAreaRows : 1);
-    const float rays_sharing = static_cast<float>(rows * kRowSamples) * sharing;
+    const auto all = static_cast<float>(rows * kRowSamples);
     // The halves are the fields of a chessboard of strata, which is which by chance: each is right
     // on average, and both together are as evenly spread as one set of rays.
-    const bool turned = randomPlace(static_cast<uint32_t>(i), ~sample).x < 0.5f;
+    const int first = randomPlace(static_cast<uint32_t>(i), ~sample).x < 0.5f ? 1 : 0;
     SpecularSeen result;
-    for (int row = 0; row < rows; ++row) {
-        const LobeStart from = area ? placeInPixel(light, receivers, i, middle, row, rows) : middle;
-        const mat3 frame = tangentFrame(from.n);
-        const vec3 wo_local = glm::transpose(frame) * from.wo;
-        const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
-        vec3 directions[kRowSamples];
-        vec3 weights[kRowSamples];
-        int halves[kRowSamples];
-        float solid_angles[kRowSamples];  // that the rays stand for
-        vec4 seen[kRowSamples];
-        size_t count = 0;
+    for (int r = 0; r < rows; ++r) {
+        Row row{.u = {}, .half = r + first};
         for (int k = 0; k < kRowSamples; ++k) {
             const vec2 place =
                 randomPlace(static_cast<uint32_t>(i),
-                            kMostSamples * sample + static_cast<uint32_t>(row * kRowSamples + k));
-            const vec2 u = (vec2(row, k) + place) / vec2(rows, kRowSamples);
-            const vec3 h = sampleGgxVisibleNormal(wo_local, alpha, u);
-            const float VoH = glm::dot(wo_local, h);
-            const vec3 wi = 2.0f * VoH * h - wo_local;
-            const vec3 direction = frame * wi;
-            if (wi.z <= 0.0f || VoH <= 0.0f) {
-                continue;
-            }
-            const vec3 fresnel = f0 + (vec3(f90) - f0) * shared::schlickWeight(VoH);
-            const vec3 weight = fresnel * visibleNormalWeight(NoV, wi.z, alpha);
-            const int half = (row + k + (turned ? 1 : 0)) % 2;
-            result.weight[half] += weight;
-            if (glm::dot(direction, from.n_g) > 0.0f) {
-                directions[count] = glm::normalize(direction);
-                // One over the density of the rays, those of the pixels that share them included.
-                const float density = rays_sharing * reflectedDensity(NoV, h.z, alpha);
-                solid_angles[count] = std::min(1.0f / std::max(density, 1e-12f), kPi);
-                halves[count] = half;
-                weights[count++] = weight;
-            }
+                            kMostSamples * sample + static_cast<uint32_t>(r * kRowSamples + k));
+            row.u[k] = (vec2(r, k) + place) / vec2(rows, kRowSamples);
         }
-        light.cast({.origin = from.eye,
-                    .directions = {directions, count},
-                    .solid_angles = {solid_angles, count}},
-                   seen);
-        for (size_t k = 0; k < count; ++k) {
-            result.light[halves[k]] += weights[k] * vec3(seen[k]);
-            result.nearness += seen[k].w > 0.0f ? 1.0f / seen[k].w : 0.0f;
-        }
+        const LobeStart from = area ? placeInPixel(light, receivers, i, middle, r, rows) : middle;
+        castRow(light, receivers, i, from, row, all * sharing, result);
     }
-    const auto all = static_cast<float>(rows * kRowSamples);
     const vec3 scale = 2.0f / (all * glm::max(receivers.specularAlbedo(i), vec3(1e-12f)));
     result.nearness /= all;
     for (int k = 0; k < 2; ++k) {

@@ -33,7 +33,7 @@ constexpr float kWidest = 0.1f;
 constexpr double kDone = 1e-4;
 constexpr int kMostSteps = 500;
 
-// Different random numbers of one hit.
+// Different random numbers of one hit, of which ScatteredOnce takes the first two.
 enum Use : uint32_t { kWhether = 2, kWhere, kWhetherDiffuse, kWhereDiffuse, kWhich };
 
 bool isFinite(const vec3& v) {
@@ -111,18 +111,13 @@ struct ScatteredAgain::Point {
         const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, wo, hit.distance);
         const mat3 frame = tangentFrame(n);
         const vec3 wo_local = glm::transpose(frame) * wo;
-        const float NoV = std::max(wo_local.z, shared::MIN_COSINE);
-        const vec3 h = sampleGgxVisibleNormal(wo_local, brdf.alpha, randomPlace(seed, kWhere));
-        const float VoH = glm::dot(wo_local, h);
-        const vec3 wi = 2.0f * VoH * h - wo_local;
-        const vec3 direction = glm::normalize(frame * wi);
-        if (wi.z <= 0.0f || VoH <= 0.0f || glm::dot(direction, p.n_g) <= 0.0f) {
-            return;
+        const auto along =
+            sampleLobe(wo_local, brdf.alpha, brdf.f0, brdf.f90, randomPlace(seed, kWhere));
+        const vec3 direction = along ? glm::normalize(frame * along->wi) : vec3(0.0f);
+        if (glm::dot(direction, p.n_g) > 0.0f) {
+            ways.add(ray, weight * along->weight / chance, p.eye(scene), direction,
+                     std::min(1.0f / along->density, kWidest));
         }
-        const vec3 fresnel = brdf.f0 + (vec3(brdf.f90) - brdf.f0) * shared::schlickWeight(VoH);
-        const float density = reflectedDensity(NoV, h.z, brdf.alpha);
-        ways.add(ray, weight * fresnel * (visibleNormalWeight(NoV, wi.z, brdf.alpha) / chance),
-                 p.eye(scene), direction, std::min(1.0f / std::max(density, 1e-12f), kWidest));
     }
     // And by the cosine.
     void followDiffuse(const Scene& scene, size_t ray, const vec3& weight, Ways& ways) const {

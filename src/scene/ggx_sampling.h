@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/math.h"
 #include "scene/shared.h"
@@ -43,6 +44,29 @@ inline float reflectedDensity(float mu, float NoH, float alpha) {
 inline float visibleNormalWeight(float mu, float NoL, float alpha) {
     const float g2 = 4.0f * NoL * mu * shared::visibilitySmith(mu, NoL, alpha);
     return g2 / maskingSmith(mu, alpha);
+}
+
+/// A direction that a specular lobe sends light from toward wo.
+struct LobeSample {
+    vec3 wi;        ///< unit, z is the surface normal
+    vec3 weight;    ///< BRDF times cosine over the density
+    float density;  ///< over solid angle, above 0
+};
+
+/// By a visible normal; u in [0, 1)^2. None where the numbers lead below the surface.
+inline std::optional<LobeSample> sampleLobe(const vec3& wo_local, float alpha, const vec3& f0,
+                                            float f90, const vec2& u) {
+    const vec3 h = sampleGgxVisibleNormal(wo_local, alpha, u);
+    const float VoH = glm::dot(wo_local, h);
+    const vec3 wi = 2.0f * VoH * h - wo_local;
+    if (wi.z <= 0.0f || VoH <= 0.0f) {
+        return std::nullopt;
+    }
+    const float mu = std::max(wo_local.z, shared::MIN_COSINE);
+    const vec3 fresnel = f0 + (vec3(f90) - f0) * shared::schlickWeight(VoH);
+    return LobeSample{.wi = wi,
+                      .weight = fresnel * visibleNormalWeight(mu, wi.z, alpha),
+                      .density = std::max(reflectedDensity(mu, h.z, alpha), 1e-12f)};
 }
 
 }  // namespace sheen
