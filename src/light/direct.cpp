@@ -21,7 +21,7 @@ Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
 }  // namespace
 
 Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer,
-                        float share) {
+                        std::span<const uint32_t> rows_of) {
     constexpr int kPacket = Tracer::kPacket;
     const Scene& scene = tracer.scene();
     const PixelGrid& image = gbuffer.image;
@@ -65,7 +65,7 @@ Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GB
         return LitPoint{.side = gbuffer.sideAt(scene, i), .surface = scattererAt(gbuffer, i)};
     };
     const Image<vec3> of_lamps =
-        lampLight(tracer, lamps, image.width, image.height, share, pointAt);
+        lampLight(tracer, lamps, image.width, image.height, rows_of, pointAt);
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
         direct.pixels[i] += of_lamps.pixels[i];
     }

@@ -9,9 +9,8 @@ namespace sheen {
 
 /// Radiance of direct light that each pixel of the G-buffer scatters toward the camera: of punctual
 /// lights by a shadow ray from its middle to each, of lamps by samples (lampLight()). Black where
-/// nothing is seen. `share`: of a pixel that one of the G-buffer's is, where several together make
-/// one.
+/// nothing is seen. `rows_of`: as lampLight() has it.
 Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer,
-                        float share = 1.0f);
+                        std::span<const uint32_t> rows_of = {});
 
 }  // namespace sheen

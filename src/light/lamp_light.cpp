@@ -200,12 +200,17 @@ bool doubtful(const Sum& sum) {
 }  // namespace
 
 Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width, int height,
-                      float share,
+                      std::span<const uint32_t> rows_of,
                       const std::function<std::optional<LitPoint>(int x, int y)>& pointAt) {
+    const bool image = rows_of.empty();
+    const float share = image ? 1.0f : 1.0f / static_cast<float>(width);
+    const int rows_around = image ? kAround : 0;
     Image<Sum> sums(width, height);
     const auto addTo = [&](int x, int y, int first, int count) {
         if (const std::optional<LitPoint> point = pointAt(x, y)) {
-            PixelLamps(tracer, lamps, *point, static_cast<uint32_t>(y * width + x))
+            const uint32_t row = image ? static_cast<uint32_t>(y) : rows_of[static_cast<size_t>(y)];
+            PixelLamps(tracer, lamps, *point,
+                       row * static_cast<uint32_t>(width) + static_cast<uint32_t>(x))
                 .add(first, count, sums.at(x, y));
         }
     };
@@ -232,7 +237,8 @@ Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width,
         first += count;
         const Image<uint8_t> before = std::exchange(wanted, Image<uint8_t>(width, height));
         forEach([&](int x, int y) {
-            for (int j = std::max(y - kAround, 0); j <= std::min(y + kAround, height - 1); ++j) {
+            for (int j = std::max(y - rows_around, 0); j <= std::min(y + rows_around, height - 1);
+                 ++j) {
                 for (int i = std::max(x - kAround, 0); i <= std::min(x + kAround, width - 1); ++i) {
                     wanted.at(x, y) |= before.at(x, y) != 0 && doubtful(sums.at(i, j)) ? 1 : 0;
                 }

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "image/image.h"
 #include "light/lamps.h"
@@ -17,10 +18,10 @@ struct LitPoint {
 
 /// Radiance that lamps send by way of each pixel's point toward the viewer; black where there is
 /// none. Paths toward lamps and, where a lobe is narrow, along it are weighted against each other
-/// [Vea97]; pixels in penumbrae, and near them, get more of them. `share`: of a pixel's paths that
-/// each gets, where several are to make one.
+/// [Vea97]; pixels in penumbrae, and near them, get more of them. `rows_of`: where each row is the
+/// samples of one pixel, which share its paths, that pixel's number; empty: rows are an image's.
 Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width, int height,
-                      float share,
+                      std::span<const uint32_t> rows_of,
                       const std::function<std::optional<LitPoint>(int x, int y)>& pointAt);
 
 }  // namespace sheen

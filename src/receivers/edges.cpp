@@ -209,7 +209,8 @@ void EdgeFinder::look(const std::vector<size_t>& found, Edges& edges, std::vecto
         }
     }
     GBuffer seen = see(places, static_cast<int>(count));
-    seen.direct = traceDirect(tracer_, lamps_, seen, 1.0f / static_cast<float>(count));
+    seen.direct =
+        traceDirect(tracer_, lamps_, seen, std::vector<uint32_t>(found.begin(), found.end()));
     std::vector<Look> looks(found.size());
     constexpr int kGrain = 16;
     parallelFor(
