@@ -248,7 +248,7 @@ TEST(Stability, CornersSeenFromClose) {
         const float expected = rays ? kAlbedo * kAlbedo : kAlbedo;
         double sum = 0.0, squares = 0.0;
         for (const vec3& v : result.frame.indirect.pixels) {
-            const float most = rays ? 5.0f * kNoise : kError;
+            const float most = rays ? 2.5f * kNoise : kError;
             ASSERT_NEAR(v.x, expected, most * expected);
             sum += v.x;
             squares += (v.x - expected) * (v.x - expected);

@@ -47,6 +47,10 @@ inline float dotProduct(const float* a, const float* b, size_t n) {
     return sum;
 }
 
+inline bool finite(const vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 inline float maxAbs(const vec3& p) {
     return glm::max(std::abs(p.x), glm::max(std::abs(p.y), std::abs(p.z)));
 }

@@ -16,10 +16,6 @@ constexpr float kMaxStops = 126.0f;
 constexpr float kSurelyWhite = 1e30f;
 constexpr Rgb8 kNotFinite = {255, 0, 255};
 
-bool isFinite(const vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 uint8_t byteFromUnit(float unit) {
     return static_cast<uint8_t>(std::lround(255.0f * std::clamp(unit, 0.0f, 1.0f)));
 }
@@ -91,7 +87,7 @@ Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure
     const float scale = std::exp2(std::clamp(stops, -kMaxStops, kMaxStops));
     Image<Rgb8> display(image.width, image.height);
     for (size_t i = 0; i < image.pixels.size(); ++i) {
-        if (!isFinite(image.pixels[i])) {
+        if (!finite(image.pixels[i])) {
             display.pixels[i] = kNotFinite;
             continue;
         }

@@ -1,8 +1,7 @@
 #include "light/elements.h"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
+#include <limits>
 
 #include "core/directions.h"
 
@@ -103,7 +102,7 @@ bool Elements::lacks(const ElementSite& site) const {
 void Elements::add(const ElementSite& site) {
     const mat3 frame = tangentFrame(site.normal);
     Element element{.site = site, .tangent = frame[0], .bitangent = frame[1], .free = {}};
-    element.free.fill(std::numeric_limits<float>::infinity());
+    element.free.fill(kInfinity);
     elements_.push_back(element);
     index(elements_.size() - 1);
 }

@@ -4,10 +4,9 @@
 // element's own rays met.
 #pragma once
 
-#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "rays/surface_point.h"

@@ -138,8 +138,9 @@ Surroundings surroundingsOf(const Tracer& tracer, const Elements& elements, size
 Looks::Looks(const ElementSite& site, int rows, int columns, uint32_t seed) {
     const mat3 frame = tangentFrame(site.normal);
     const auto count = static_cast<float>(rows * columns);
+    const uint32_t mixed = pcgHash(seed);
     for (int k = 0; k < rows * columns; ++k) {
-        const vec2 place = randomPlace(pcgHash(seed), static_cast<uint32_t>(k));
+        const vec2 place = randomPlace(mixed, static_cast<uint32_t>(k));
         const vec3 local =
             cosineDirection((vec2(k / columns, k % columns) + place) / vec2(rows, columns));
         const vec3 direction = glm::normalize(frame * local);

@@ -36,10 +36,6 @@ constexpr int kMostSteps = 500;
 // Different random numbers of one hit, of which ScatteredOnce takes the first two.
 enum Use : uint32_t { kWhether = 2, kWhere, kWhetherDiffuse, kWhereDiffuse, kWhich };
 
-bool isFinite(const vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 // Ways that go on, together.
 struct Ways {
     std::vector<size_t> of;  // ray
@@ -65,37 +61,32 @@ struct Ways {
 
 // What a ray meets, and what scatters light there.
 struct ScatteredAgain::Point {
+    struct Glossy {
+        SurfacePoint p;
+        Scatterer surface;
+        vec3 specular_albedo;
+    };
     const Hit& hit;
     vec3 wo;
-    bool lambertian;
-    // Of what is not.
-    vec3 diffuse{0.0f};  // reflectance toward wo
-    vec3 specular_albedo{0.0f};
-    Brdf brdf{};
-    vec3 n{0.0f};
+    std::optional<Glossy> glossy;  // none: Lambertian
 
-    Point(const Scene& scene, const Hit& hit_, const vec3& wo_)
-        : hit(hit_),
-          wo(wo_),
-          lambertian(isLambertian(scene.materials[scene.materials_of[hit.triangle]].params)) {
-        if (lambertian) {
+    Point(const Scene& scene, const Hit& hit_, const vec3& wo_) : hit(hit_), wo(wo_) {
+        if (isLambertian(scene.materials[scene.materials_of[hit.triangle]].params)) {
             return;
         }
         const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, wo, hit.distance);
-        const MaterialParams params = materialAt(scene, p.triangle, p.barycentric);
-        n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, wo).mapped;
-        const vec2 albedo = brdfAlbedo(glm::dot(n, wo), params.roughness);
-        brdf = shared::makeBrdf(params, albedo);
-        diffuse = brdf.diffuse;
-        specular_albedo = brdf.f0 * albedo.x + vec3(brdf.f90 * albedo.y);
+        const MaterialParams material = materialAt(scene, p.triangle, p.barycentric);
+        const Scatterer surface = scattererAt(scene, p, material);
+        const Brdf& brdf = surface.brdf;
+        glossy = {p, surface,
+                  specularAlbedo(glm::dot(surface.n, wo), material.roughness, brdf.f0, brdf.f90)};
     }
-    // What of the irradiance at barycentric coordinates uv of its triangle is reflected, but for
-    // what a lobe that is not lambertian makes of it.
+    // Of a Lambertian surface, at barycentric coordinates uv of its triangle.
     vec3 albedoAt(const Scene& scene, const vec2& uv) const {
         return materialAt(scene, hit.triangle, vec3(1.0f - uv.x - uv.y, uv)).base_color;
     }
     vec3 albedo(const Scene& scene) const {
-        return lambertian ? albedoAt(scene, vec2(hit.u, hit.v)) : diffuse;
+        return glossy ? glossy->surface.brdf.diffuse : albedoAt(scene, vec2(hit.u, hit.v));
     }
     ElementSite site(const Scene& scene) const {
         return elementSiteAt(scene, hit, vec2(hit.u, hit.v), wo);
@@ -103,19 +94,18 @@ struct ScatteredAgain::Point {
 
     // Goes on along the lobe, by chance.
     void followLobe(const Scene& scene, size_t ray, const vec3& weight, Ways& ways) const {
-        const float chance = std::min(kOftener * luminance(weight * specular_albedo), 1.0f);
+        const Brdf& brdf = glossy->surface.brdf;
+        const float chance = std::min(kOftener * luminance(weight * glossy->specular_albedo), 1.0f);
         const uint32_t seed = hashOfPoint(hit.triangle, hit.u, hit.v);
         if (randomPlace(seed, kWhether).x >= chance) {
             return;
         }
-        const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, wo, hit.distance);
-        const mat3 frame = tangentFrame(n);
-        const vec3 wo_local = glm::transpose(frame) * wo;
-        const auto along =
-            sampleLobe(wo_local, brdf.alpha, brdf.f0, brdf.f90, randomPlace(seed, kWhere));
+        const mat3 frame = tangentFrame(glossy->surface.n);
+        const auto along = sampleLobe(glm::transpose(frame) * wo, brdf.alpha, brdf.f0, brdf.f90,
+                                      randomPlace(seed, kWhere));
         const vec3 direction = along ? glm::normalize(frame * along->wi) : vec3(0.0f);
-        if (glm::dot(direction, p.n_g) > 0.0f) {
-            ways.add(ray, weight * along->weight / chance, p.eye(scene), direction,
+        if (glm::dot(direction, glossy->p.n_g) > 0.0f) {
+            ways.add(ray, weight * along->weight / chance, glossy->p.eye(scene), direction,
                      std::min(1.0f / along->density, kWidest));
         }
     }
@@ -175,58 +165,61 @@ ScatteredAgain::ScatteredAgain(const ScatteredOnce& once, Elements elements,
 
 int ScatteredAgain::mostFollowed() const { return std::min(kMostFollowed, bounces_ - 1); }
 
-// Where a ray meets a surface one of the elements around is asked, by chance, each as often as it
-// counts: there are many rays.
+// Where a ray meets a surface the first of the elements around is asked, and by how much another
+// one's light differs: that one by chance, each as often as it counts, since there are many rays.
+// What arrives of light that is the same everywhere has no noise, which all bounces would add up.
 ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
     constexpr float kEach = kPi / (kRows * kColumns);
     const ElementSite& site = elements_.site(element);
     const Looks looks(site, kRows, kColumns, static_cast<uint32_t>(element));
-    const Rays all{.origin = site.side.start(),
-                   .directions = looks.directions,
-                   .solid_angles = looks.solid_angles};
+    const Rays rays{.origin = site.side.start(),
+                    .directions = looks.directions,
+                    .solid_angles = looks.solid_angles};
     Equation result{.light = std::vector<vec3>(static_cast<size_t>(mostFollowed()) + 1),
                     .terms = {}};
-    for (size_t first = 0; first < looks.directions.size(); first += kTogether) {
-        const size_t count = std::min(kTogether, looks.directions.size() - first);
-        const Rays rays = all.part(first, count);
-        Hit hits[kTogether];
-        vec3 light[kTogether];
-        tracer().meet(rays, hits);
-        once_.radiance(rays, {hits, count}, light);
-        const auto add = [&](size_t, int followed, const vec3& radiance) {
-            vec3& sum = result.light[static_cast<size_t>(followed)];
-            sum += isFinite(radiance) ? kEach * radiance : vec3(0.0f);
-        };
-        for (size_t i = 0; i < count; ++i) {
-            // The sky's light, as that of lamps, is added where rays meet surfaces.
-            if (hits[i].found()) {
-                add(i, 0, light[i]);
-            }
+    static_assert(kRows * kColumns <= static_cast<int>(kTogether));
+    const size_t count = looks.directions.size();
+    Hit hits[kTogether];
+    vec3 light[kTogether];
+    tracer().meet(rays, hits);
+    once_.radiance(rays, {hits, count}, light);
+    const auto add = [&](size_t, int followed, const vec3& radiance) {
+        vec3& sum = result.light[static_cast<size_t>(followed)];
+        sum += finite(radiance) ? kEach * radiance : vec3(0.0f);
+    };
+    for (size_t i = 0; i < count; ++i) {
+        // The sky's light, as that of lamps, is added where rays meet surfaces.
+        if (hits[i].found()) {
+            add(i, 0, light[i]);
         }
-        const auto ask = [&](size_t, int followed, const Point& q, const vec3& weight,
-                             const vec3& lobe) {
-            const ElementSite at = q.site(scene());
-            const Neighbours near = neighbours(at.side.position, at.normal);
-            float sum = 0.0f;
-            for (size_t k = 0; k < near.count; ++k) {
-                sum += std::abs(near.weights[k]);
-            }
-            float u = sum * randomPlace(hashOfPoint(q.hit.triangle, q.hit.u, q.hit.v), kWhich).x;
-            for (size_t k = 0; k < near.count; ++k) {
-                const float w = near.weights[k];
-                u -= std::abs(w);
-                if (u < 0.0f || k + 1 == near.count) {
-                    result.terms.push_back({.element = near.elements[k],
-                                            .followed = followed,
-                                            .weight = kEach / kPi * std::copysign(sum, w) * weight *
-                                                      (q.albedo(scene()) + lobe)});
-                    break;
-                }
-            }
-            return near.count > 0;
-        };
-        follow(rays, {hits, count}, add, ask);
     }
+    const auto ask = [&](size_t, int followed, const Point& q, const vec3& weight,
+                         const vec3& lobe) {
+        const ElementSite at = q.site(scene());
+        const Neighbours near = neighbours(at.side.position, at.normal);
+        if (near.count == 0) {
+            return false;
+        }
+        float sum = 0.0f;
+        for (size_t k = 0; k < near.count; ++k) {
+            sum += std::abs(near.weights[k]);
+        }
+        float u = sum * randomPlace(hashOfPoint(q.hit.triangle, q.hit.u, q.hit.v), kWhich).x;
+        size_t other = 0;
+        while (other + 1 < near.count && u >= std::abs(near.weights[other])) {
+            u -= std::abs(near.weights[other++]);
+        }
+        const vec3 each = kEach / kPi * weight * (q.albedo(scene()) + lobe);
+        const float share = other > 0 ? std::copysign(sum, near.weights[other]) : 0.0f;
+        result.terms.push_back(
+            {.element = near.elements[0], .followed = followed, .weight = (1.0f - share) * each});
+        if (other > 0) {
+            result.terms.push_back(
+                {.element = near.elements[other], .followed = followed, .weight = share * each});
+        }
+        return true;
+    };
+    follow(rays, {hits, count}, add, ask);
     result.terms.shrink_to_fit();
     return result;
 }
@@ -263,11 +256,11 @@ void ScatteredAgain::solve(std::span<const Equation> equations) {
         // Once all light is in, each bounce brings less than the one before.
         const bool settled = k > static_cast<int>(ways);
         if (settled && change > before) {
-            return;
+            break;
         }
         before = change;
-        kept_.pop_back();
-        kept_.insert(kept_.begin(), std::move(next));
+        std::rotate(kept_.begin(), kept_.end() - 1, kept_.end());
+        kept_.front() = std::move(next);
         if (settled && worst <= kDone) {
             break;
         }
@@ -277,10 +270,11 @@ void ScatteredAgain::solve(std::span<const Equation> equations) {
     }
 }
 
-// Goes on from what rays meet. Calls ask(ray, rays followed, point, weight) for each surface, the
-// first ones among them: by that weight the irradiance that is kept there arrives as radiance;
-// where it returns false, nothing is kept. And light(ray, rays followed, radiance) for what lights
-// do to the surfaces after the first ones.
+// Goes on from what rays meet. Calls ask(ray, rays followed, point, weight, lobe) for each surface,
+// the first ones among them: by that weight arrives what it reflects diffusely of the irradiance
+// that is kept there, and what it would by `lobe`, an albedo that is to count as if diffuse; where
+// it returns false, nothing is kept. And light(ray, rays followed, radiance) for what lights do to
+// the surfaces after the first ones.
 template <class Light, class Ask>
 void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const Light& light,
                             const Ask& ask) const {
@@ -292,11 +286,12 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
         }
         const Point q(scene(), hit, wo);
         const bool last = followed == most;
-        const bool known = ask(ray, followed, q, weight, last ? q.specular_albedo : vec3(0.0f));
+        const bool known = ask(ray, followed, q, weight,
+                               last && q.glossy ? q.glossy->specular_albedo : vec3(0.0f));
         if (!last && !known) {
             q.followDiffuse(scene(), ray, weight, next);
         }
-        if (!last && q.specular_albedo != vec3(0.0f)) {
+        if (!last && q.glossy) {
             q.followLobe(scene(), ray, weight, next);
         }
     };
@@ -401,13 +396,13 @@ void ScatteredAgain::radiance(const Rays& rays, std::span<const Hit> hits, vec3*
     follow(
         rays, hits, [&](size_t ray, int, const vec3& light) { radiance[ray] += light; },
         [&](size_t ray, int followed, const Point& q, const vec3& weight, const vec3& lobe) {
-            // Of a Lambertian surface what is reflected is kept, textures included; by
-            // the side of the triangle alone, not by where it is seen from.
+            // Of a Lambertian surface what is reflected is kept, textures included; by the side of
+            // the triangle alone, not by where it is seen from.
             const vec3 n_g = geometricNormal(scene(), static_cast<int>(q.hit.triangle));
             const vec3 side = q.hit.back ? -n_g : n_g;
             const auto find = [&](const vec2& uv) {
                 const auto kept = irradiance(elementSiteAt(scene(), q.hit, uv, side), followed);
-                return kept && q.lambertian ? std::optional(*kept * q.albedoAt(scene(), uv)) : kept;
+                return kept && !q.glossy ? std::optional(*kept * q.albedoAt(scene(), uv)) : kept;
             };
             // Cells keep what is asked for where rays meet a surface first.
             const float area = rays.solidAngle(ray) * q.hit.distance * q.hit.distance;
@@ -419,7 +414,8 @@ void ScatteredAgain::radiance(const Rays& rays, std::span<const Hit> hits, vec3*
                 ++missed;
                 return false;
             }
-            radiance[ray] += weight / kPi * *kept * (q.lambertian ? vec3(1.0f) : q.diffuse + lobe);
+            radiance[ray] +=
+                weight / kPi * *kept * (q.glossy ? q.albedo(scene()) + lobe : vec3(1.0f));
             return true;
         });
     asked_.fetch_add(asked, std::memory_order_relaxed);

@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "light/direct.h"
+#include "scene/brdf_albedo.h"
 
 namespace sheen {
 namespace {

@@ -7,11 +7,6 @@
 
 namespace sheen {
 
-vec3 specularAlbedo(float NoV, float roughness, const vec3& f0, float f90) {
-    const vec2 ab = brdfAlbedo(NoV, roughness);
-    return f0 * ab.x + vec3(f90 * ab.y);
-}
-
 vec3 Receivers::specularAlbedo(size_t i) const {
     return sheen::specularAlbedo(glm::dot(normals[i], towardViewer(i)), roughness[i], f0[i],
                                  f90[i]);

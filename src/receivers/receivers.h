@@ -84,9 +84,6 @@ struct Receivers {
     }
 };
 
-/// What a specular lobe reflects of constant light, seen at that cosine.
-vec3 specularAlbedo(float NoV, float roughness, const vec3& f0, float f90);
-
 /// Those of a G-buffer, whose arrays become theirs, each classified (classes.h), with its lobe;
 /// `irradiance_only`: all as diffuse. None goes by rays where a given `sh_order` asks for its
 /// truncation; 0: orders by prediction. Environment error where there are too many lobes.

@@ -45,10 +45,6 @@ Arriving arrivingFrom(const PunctualLight& light, const Surface& s) {
 
 }  // namespace
 
-bool finite(const vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 bool black(const vec3& v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
 
 vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) {

@@ -17,7 +17,6 @@ struct Counters {
     int64_t nonfinite = 0;  ///< samples whose radiance was not finite
 };
 
-bool finite(const vec3& v);
 bool black(const vec3& v);
 
 /// Radiance, nits, that punctual lights send from the surface toward its wo: one shadow ray each.

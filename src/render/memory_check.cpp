@@ -52,7 +52,7 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
 void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kProgram = uint64_t{128} << 20;
     constexpr uint64_t kPerTriangle = 650;
-    constexpr uint64_t kKept = uint64_t{64} << 20;  // light of more than one bounce
+    constexpr uint64_t kKept = uint64_t{112} << 20;  // light of more than one bounce
     constexpr uint64_t kKeptPerTriangle = 40;
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);

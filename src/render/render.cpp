@@ -28,10 +28,7 @@ void countPixels(RenderResult& result) {
     const Frame& frame = result.frame;
     const Image<vec3> seen = beauty(frame);
     for (size_t i = 0; i < seen.pixels.size(); ++i) {
-        const vec3& pixel = seen.pixels[i];
-        const bool finite =
-            std::isfinite(pixel.x) && std::isfinite(pixel.y) && std::isfinite(pixel.z);
-        result.stats.nonfinite_pixels += finite ? 0 : 1;
+        result.stats.nonfinite_pixels += finite(seen.pixels[i]) ? 0 : 1;
         result.stats.pixels_geometry += frame.primitive.pixels[i] == kNoPrimitive ? 0 : 1;
     }
 }

@@ -12,4 +12,10 @@ const float* brdfAlbedoTable();
 /// (A, B) at a view cosine and roughness, bilinear.
 vec2 brdfAlbedo(float NoV, float roughness);
 
+/// What a specular lobe reflects of constant light, seen at that cosine.
+inline vec3 specularAlbedo(float NoV, float roughness, const vec3& f0, float f90) {
+    const vec2 ab = brdfAlbedo(NoV, roughness);
+    return f0 * ab.x + vec3(f90 * ab.y);
+}
+
 }  // namespace sheen

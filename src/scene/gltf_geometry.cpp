@@ -12,10 +12,6 @@ constexpr uint32_t kUnused = ~0u;
 // Scene::triangleCount() is an int and vertices are indexed by 32 bits.
 constexpr size_t kMaxTriangles = size_t{1} << 30;
 
-bool finite(const vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 // A primitive before it is cleaned; arrays are [vertex] and [triangle].
 struct Primitive {
     std::vector<vec3> positions;

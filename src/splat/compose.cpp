@@ -7,10 +7,6 @@
 namespace sheen {
 namespace {
 
-bool finite(const vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 // By the records; their weights must have a sum above zero. In the diffuse class the lobe acts as a
 // cosine of the same albedo, but for what that misses.
 vec3 specularAt(const Receivers& receivers, const SplatBuffer& splat, size_t i) {
