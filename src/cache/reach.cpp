@@ -57,13 +57,13 @@ bool ReachBounds::mayServe(float radius, size_t i) const {
     return !isCrease(i) || radius <= kCreaseReach * greatest(i);
 }
 
-float allowedRadius(const GatheredRecord& found, const PlacementParams& params, float footprint,
-                    int image_height) {
+float allowedRadius(const GatheredRecord& found, const PlacementParams& params,
+                    float image_height) {
     switch (params.control) {
         case ErrorControl::kSplitSphere:
             return splitSphereRadius(found);
         case ErrorControl::kHessian:
-            return hessianRadius(found, params, footprint * static_cast<float>(image_height));
+            return hessianRadius(found, params, image_height);
     }
     throw std::logic_error("unknown error control");
 }

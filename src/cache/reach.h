@@ -29,10 +29,9 @@ class ReachBounds {
     const std::vector<uint8_t> creases_;
 };
 
-/// The radius that the error control asks for. `footprint`: of the receiver that the record lies
-/// at; `image_height`: in pixels.
-float allowedRadius(const GatheredRecord& found, const PlacementParams& params, float footprint,
-                    int image_height);
+/// The radius that the error control asks for. `image_height`: Receivers::height() where the record
+/// lies.
+float allowedRadius(const GatheredRecord& found, const PlacementParams& params, float image_height);
 
 /// By the serving weight, which reaches farther than the one that records are placed by: the radius
 /// of a record that was placed with `radius`, where its light and its neighbours allow `allowed`.

@@ -18,5 +18,6 @@ Command addRender(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addChart(CLI::App& program);
+Command addBake(CLI::App& program);
 
 }  // namespace sheen::cli

@@ -6,8 +6,11 @@ float outgoingLuminance(const Receivers& receivers, const Record& record, const 
                         size_t i) {
     const vec3 irradiance =
         shared::recordIrradiance(record, receivers.positions[i], receivers.normals[i]);
+    if (receivers.irradiance_only || receivers.isTooGlossy(i)) {
+        return luminance(irradiance);
+    }
     const vec3 albedo = receivers.specularAlbedo(i);
-    if (receivers.irradiance_only || receivers.isTooGlossy(i) || albedo == vec3(0.0f)) {
+    if (albedo == vec3(0.0f)) {
         return luminance(irradiance);
     }
     vec3 light = lobeLight(receivers, record, sh, i);

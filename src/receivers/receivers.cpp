@@ -1,7 +1,9 @@
 #include "receivers/receivers.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "rays/jitter.h"
 #include "receivers/classes.h"
 #include "scene/brdf_albedo.h"
 
@@ -31,6 +33,18 @@ Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool ir
     classify(scene, sh_order, irradiance_only, receivers);
     receivers.lobes = buildLobes(receivers);
     return receivers;
+}
+
+std::vector<ElementSite> someOf(const Scene& scene, const Receivers& receivers) {
+    constexpr double kSome = 1024.0;
+    const double share = kSome / std::max(receivers.counts.seen, 1);
+    std::vector<ElementSite> some;
+    for (size_t i = 0; i < receivers.positions.size(); ++i) {
+        if (receivers.seen(i) && pcgHash(static_cast<uint32_t>(i)) * 0x1p-32 < share) {
+            some.push_back({.side = receivers.sideAt(scene, i), .normal = receivers.normals[i]});
+        }
+    }
+    return some;
 }
 
 }  // namespace sheen

@@ -1,14 +1,17 @@
-// Points whose light is wanted, as structure of arrays: today the pixels of an image. All that
-// gathers, places, splats or composes asks these what lies where, and never the G-buffer that they
-// were made of.
+// Points whose light is wanted, as structure of arrays: the pixels of an image, or texels of a
+// lightmap. All that gathers, places, splats or composes asks these what lies where, and never the
+// G-buffer or the atlas that they were made of.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "light/elements.h"
 #include "raster/gbuffer.h"
 #include "receivers/lobes.h"
+#include "receivers/point_index.h"
 #include "record/record.h"
 
 namespace sheen {
@@ -54,18 +57,31 @@ struct Receivers {
     ReceiverCounts counts;
 
     /// What they are the pixels of: from there they are seen, and there they are looked for
-    /// (served.h).
+    /// (served.h). Of a lightmap its size alone.
     PixelGrid image;
+
+    // Of texels of a lightmap, which no one sees; of pixels empty, or zero.
+    std::vector<vec3> outward;  ///< unit, the geometric normal on the side that is lit
+    float extent = 0.0f;        ///< of all of them, scene units: what stands for an image's height
+    std::shared_ptr<const PointIndex> places;  ///< where they are looked for
 
     int count() const { return static_cast<int>(positions.size()); }
     /// Whether there is a surface.
     bool seen(size_t i) const { return footprints[i] > 0.0f; }
+    /// From where it is seen: of a texel, from straight above.
+    vec3 viewer(size_t i) const {
+        return outward.empty() ? image.view.origin : positions[i] + footprints[i] * outward[i];
+    }
     /// Unit.
-    vec3 towardViewer(size_t i) const { return glm::normalize(image.view.origin - positions[i]); }
+    vec3 towardViewer(size_t i) const { return glm::normalize(viewer(i) - positions[i]); }
+    /// The height of the image at the receiver's distance, scene units.
+    float height(size_t i) const {
+        return outward.empty() ? footprints[i] * static_cast<float>(image.height) : extent;
+    }
     float alpha(size_t i) const { return shared::alphaFromRoughness(roughness[i]); }
     /// Where rays leave it, on the viewer's side.
     SurfaceSide sideAt(const Scene& scene, size_t i) const {
-        return sideToward(scene, triangles[i], positions[i], image.view.origin);
+        return sideToward(scene, triangles[i], positions[i], viewer(i));
     }
     /// What its specular lobe reflects of constant light.
     vec3 specularAlbedo(size_t i) const;
@@ -88,5 +104,8 @@ struct Receivers {
 /// `irradiance_only`: all as diffuse. None goes by rays where a given `sh_order` asks for its
 /// truncation; 0: orders by prediction. Environment error where there are too many lobes.
 Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool irradiance_only);
+
+/// About a thousand of them, by chance: what light is looked for from (placeElements()).
+std::vector<ElementSite> someOf(const Scene& scene, const Receivers& receivers);
 
 }  // namespace sheen

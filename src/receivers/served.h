@@ -1,5 +1,5 @@
 // Which receivers a record serves. In an image they are found by what of it the record's region may
-// cover.
+// cover, texels of a lightmap by where they lie.
 #pragma once
 
 #include "receivers/receivers.h"
@@ -38,22 +38,30 @@ inline float weightAt(const Receivers& receivers, size_t i, const Record& k,
                                 receivers.normals[i], receivers.footprints[i]);
 }
 
-/// Calls visit(i, weight) for the receivers that a record serves, row by row, of those that
-/// wanted(i).
+/// Calls visit(i, weight) for the receivers that a record serves, row by row (texels of a lightmap:
+/// in any order), of those that wanted(i).
 template <typename Wanted, typename Visit>
 void forServed(const Receivers& receivers, const Record& k, const WeightParams& weight,
                const Wanted& wanted, const Visit& visit) {
+    const auto look = [&](size_t i) {
+        if (!serves(k.order, receivers.orders[i]) || !wanted(i)) {
+            return;
+        }
+        const float w = weightAt(receivers, i, k, weight);
+        if (w > 0.0f) {
+            visit(i, w);
+        }
+    };
+    if (receivers.places) {
+        for (const uint32_t i : receivers.places->within(k.position, weight.accuracy * k.radius)) {
+            look(i);
+        }
+        return;
+    }
     const PixelRect rect = servedBounds(receivers.image, k, weight);
     for (int y = rect.y0; y < rect.y1; ++y) {
         for (int x = rect.x0; x < rect.x1; ++x) {
-            const size_t i = receivers.image.index(x, y);
-            if (!serves(k.order, receivers.orders[i]) || !wanted(i)) {
-                continue;
-            }
-            const float w = weightAt(receivers, i, k, weight);
-            if (w > 0.0f) {
-                visit(i, w);
-            }
+            look(receivers.image.index(x, y));
         }
     }
 }

@@ -10,6 +10,7 @@
 #include "core/progress.h"
 #include "reference/guide.h"
 #include "reference/light.h"
+#include "reference/replicates.h"
 #include "reference/sampling.h"
 #include "reference/sobol.h"
 
@@ -226,23 +227,6 @@ Scattered sampleSkyFromStart(const Context& context, const Start& start, uint32_
     return scatterChosen(context.rays, start.p, start.sampler, choice, counters);
 }
 
-// Mean and variance of the mean of independent, equally good estimates.
-struct Replicates {
-    int count = 0;
-    dvec3 mean{0.0};
-    dvec3 squares{0.0};  // sum of squared deviations from the mean [Wel62]
-
-    void add(const dvec3& value) {
-        ++count;
-        const dvec3 delta = value - mean;
-        mean += delta / static_cast<double>(count);
-        squares += delta * (value - mean);
-    }
-    vec3 varianceOfMean() const {
-        return vec3(squares / (static_cast<double>(count) * (count - 1)));
-    }
-};
-
 // A guide from one sample a cell, sample(index, u) its radiance: an aligned block of 4^k Sobol
 // points has one in each.
 template <class Sample>
@@ -433,9 +417,22 @@ int guideSize(const ReferenceParams& params) {
     return params.bounces > 0 ? size : 0;
 }
 
-}  // namespace
+// And the light of a surface that no camera sees.
+void renderSurface(const Context& context, const Surface& surface, int x, int y,
+                   ReferenceResult& result, Counters& counters) {
+    Pixel pixel(context, x, y);
+    pixel.startFrom(surface, 1.0f);
+    result.frame.direct.at(x, y) = directRadiance(context.rays, surface, counters);
+    if (!context.lights.lamps.empty()) {
+        estimateDirect(context, pixel, result.frame, counters);
+    }
+    estimateIndirect(context, pixel, result.frame, counters);
+}
 
-ReferenceResult renderReference(const Scene& scene, const ReferenceParams& params) {
+// Renders each place of the image by render(context, x, y, result, counters).
+template <class Render>
+ReferenceResult renderPlaces(const Scene& scene, const ReferenceParams& params,
+                             const Render& render) {
     checkParams(params);
     const Timer timer;
     const RayScene rays(scene);
@@ -465,7 +462,7 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
     parallelFor(params.height, [&](int y) {
         Counters counters;
         for (int x = 0; x < params.width; ++x) {
-            renderPixel(context, x, y, result, counters);
+            render(context, x, y, result, counters);
         }
         ray_count += counters.rays;
         nonfinite += counters.nonfinite;
@@ -481,6 +478,24 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
                          result.nonfinite_samples));
     }
     return result;
+}
+
+}  // namespace
+
+ReferenceResult renderReference(const Scene& scene, const ReferenceParams& params) {
+    return renderPlaces(scene, params, renderPixel);
+}
+
+ReferenceResult renderReferenceOf(const Scene& scene, const ReferenceParams& params,
+                                  const SurfaceOf& surface_of) {
+    SHEEN_CHECK(!params.pixel_area);
+    return renderPlaces(
+        scene, params,
+        [&](const Context& context, int x, int y, ReferenceResult& result, Counters& counters) {
+            if (const std::optional<Surface> surface = surface_of(x, y)) {
+                renderSurface(context, *surface, x, y, result, counters);
+            }
+        });
 }
 
 }  // namespace sheen

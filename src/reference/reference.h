@@ -16,9 +16,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 
 #include "core/bounces.h"
 #include "image/frame.h"
+#include "reference/ray_scene.h"
 #include "scene/scene.h"
 
 namespace sheen {
@@ -57,5 +60,13 @@ struct ReferenceResult {
 /// Renders the reference. The same bits for any number of threads. Usage error for a size, number
 /// of samples or bounces out of range; environment error where Embree fails.
 ReferenceResult renderReference(const Scene& scene, const ReferenceParams& params);
+
+/// The surface whose light is wanted at place (x, y) of an image's rows; none where there is none.
+using SurfaceOf = std::function<std::optional<Surface>(int x, int y)>;
+
+/// The same of surfaces of one's own instead of what a camera sees, which is not asked: layers of
+/// direct and indirect light and their variances, and nothing else.
+ReferenceResult renderReferenceOf(const Scene& scene, const ReferenceParams& params,
+                                  const SurfaceOf& surface_of);
 
 }  // namespace sheen

@@ -1,6 +1,9 @@
 #include "render/gather_road.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "cache/placement_params.h"
 
 namespace sheen {
 
@@ -11,6 +14,12 @@ int gatherSize(GatherRoad road, float accuracy, HemisphereKind kind) {
     const float rasterised = kind == HemisphereKind::kBorder ? 41.7f : 24.0f;
     const float texels_at_one = road == GatherRoad::kRays ? 11.4f : rasterised;
     return static_cast<int>(std::lround(texels_at_one / std::sqrt(accuracy)));
+}
+
+// Along a crease each pixel gets a record of its own, however coarse the others are, until records
+// there reach farther than one pixel.
+float leastReach(float accuracy) {
+    return std::max(PlacementParams{}.min_pixels, std::sqrt(accuracy));
 }
 
 float gatherExtent(HemisphereKind kind) { return kind == HemisphereKind::kBorder ? 2.5f : 3.0f; }

@@ -11,6 +11,8 @@ enum class GatherRoad { kRays, kRaster };
 
 /// Texels along a hemisphere's side where none are asked for.
 int gatherSize(GatherRoad road, float accuracy, HemisphereKind kind = HemisphereKind::kHemicube);
+/// PlacementParams::min_pixels where none is asked for.
+float leastReach(float accuracy);
 /// Half-extent of a hemisphere's plane where none is asked for.
 float gatherExtent(HemisphereKind kind);
 

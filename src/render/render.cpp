@@ -134,12 +134,6 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     return estimateError(errors, probes, view.receivers, indirect);
 }
 
-// Along a crease each pixel gets a record of its own, however coarse the others are, until records
-// there reach farther than one pixel.
-float leastReach(float accuracy) {
-    return std::max(PlacementParams{}.min_pixels, std::sqrt(accuracy));
-}
-
 // What decides what a pass renders: its accuracy, and when it is given up.
 struct Pass {
     float accuracy = 0;

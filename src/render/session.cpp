@@ -4,7 +4,6 @@
 #include "core/timer.h"
 #include "light/direct.h"
 #include "light/place_elements.h"
-#include "rays/jitter.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -27,19 +26,6 @@ template <class Make>
 auto timed(double& stage, const Make& make) {
     const StageTimer timer(stage);
     return make();
-}
-
-// About a thousand receivers, by chance.
-std::vector<ElementSite> someOf(const Scene& scene, const Receivers& receivers) {
-    constexpr double kSome = 1024.0;
-    const double share = kSome / std::max(receivers.counts.seen, 1);
-    std::vector<ElementSite> some;
-    for (size_t i = 0; i < receivers.positions.size(); ++i) {
-        if (receivers.seen(i) && pcgHash(static_cast<uint32_t>(i)) * 0x1p-32 < share) {
-            some.push_back({.side = receivers.sideAt(scene, i), .normal = receivers.normals[i]});
-        }
-    }
-    return some;
 }
 
 }  // namespace

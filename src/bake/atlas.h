@@ -1,0 +1,52 @@
+// Where in a lightmap each triangle lies: the coordinates that the file has, or charts made for it.
+// Charts are pieces of surface that face about one way, unfolded onto the plane that they face, and
+// packed side by side.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace sheen {
+
+struct AtlasParams {
+    int size = 0;  ///< texels along each side; 0: the least that the density asks for
+    float texels_per_metre = 0.0f;  ///< scene units; 0: as many as the size holds
+};
+
+/// Texels along a side, at the least and at the most.
+constexpr int kLeastAtlas = 16;
+constexpr int kLargestAtlas = 8192;
+/// Texels that lie free around each chart: what is filtered takes them from its own chart.
+constexpr int kPadding = 1;
+
+struct Atlas {
+    int size = 0;  ///< texels along each side
+    /// [triangle]: where its corners lie, in texels from the top left; texel (x, y) reaches from x
+    /// to x + 1.
+    std::vector<std::array<vec2, 3>> corners;
+    std::vector<uint32_t> chart_of;  ///< [triangle]
+    int charts = 0;
+    bool of_file = false;  ///< the file's own coordinates
+};
+
+/// By the scene's second texture coordinates. Where they will not do, `why` says so, and the result
+/// is empty: none, outside of the unit square, no area where the triangle has some, two triangles
+/// over one texel's middle. Usage error where the texels asked for would be too many.
+Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& why);
+
+/// By charts of its own. Usage error where they do not fit: it says how many texels would.
+Atlas makeAtlas(const Scene& scene, const AtlasParams& params);
+
+/// The first where it will do, else the second and a warning why.
+Atlas atlasOf(const Scene& scene, const AtlasParams& params);
+
+/// Twice the area that a triangle covers, in texels; below 0 where it is mirrored.
+inline double doubleArea(const std::array<vec2, 3>& c) {
+    return double{c[1].x - c[0].x} * double{c[2].y - c[0].y} -
+           double{c[1].y - c[0].y} * double{c[2].x - c[0].x};
+}
+
+}  // namespace sheen

@@ -1,0 +1,46 @@
+// Baking: the irradiance of a lightmap's texels. Records lie on surfaces and serve texels of all
+// charts and objects around, so that these agree.
+// Based on: [Cas10] for records at few of the texels, [WRC88], [WH92].
+#pragma once
+
+#include "bake/lightmap.h"
+#include "core/bounces.h"
+#include "image/frame.h"
+
+namespace sheen {
+
+enum class BakeMethod {
+    kRecords,    ///< gathered at some texels, interpolated at the others
+    kTexels,     ///< the same gather at every texel: what records save time over
+    kReference,  ///< every texel path-traced, with its variance
+};
+
+struct BakeParams {
+    BakeMethod method = BakeMethod::kRecords;
+    float accuracy = 0.4f;  ///< Ward's a; by records and texels, how finely each looks
+    int bounces = kAllBounces;
+    bool indirect_only = false;  ///< without the light straight from lights and lamps
+    int spp = 1024;              ///< of the reference
+    uint32_t seed = 0;           ///< likewise
+    bool quiet = false;
+};
+
+struct BakeStats {
+    int records = 0;    ///< hemispheres gathered
+    int uncovered = 0;  ///< texels that no record serves: 0 where numbers are sound
+    double seconds_lights = 0, seconds_direct = 0, seconds_place = 0, seconds_gather = 0,
+           seconds_interpolate = 0, seconds_trace = 0;
+};
+
+struct Baked {
+    /// Layers of irradiance, lux, [texel]: direct (black where it is not asked for) and indirect,
+    /// of the reference with their variances; filled up all over (dilate.h). `primitive` tells the
+    /// texels that have light of their own: the others show kNoPrimitive and are not compared.
+    Frame frame;
+    BakeStats stats;
+};
+
+/// Usage error for what the reference has none of. The same bits for any number of threads.
+Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params);
+
+}  // namespace sheen

@@ -1,0 +1,260 @@
+#include "bake/charts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <unordered_map>
+
+#include "core/directions.h"
+
+namespace sheen {
+namespace {
+
+using glm::dvec2;
+
+using Corners = std::array<dvec2, 3>;
+
+constexpr uint32_t kNone = ~0u;
+// Of the chart's first triangle and any other: texels are then a quarter longer at the most than
+// they are wide.
+constexpr float kLeastCosine = 0.8f;
+// Triangles may lie over each other by so much of the smaller one's size: rounding.
+constexpr double kTouch = 1e-5;
+
+double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
+
+// By how much two triangles reach into each other along the edges' normals of the first.
+double reachInto(const Corners& a, const Corners& b) {
+    const double turn = cross(a[1] - a[0], a[2] - a[0]) < 0.0 ? -1.0 : 1.0;
+    double least = kInfinity;
+    for (size_t i = 0; i < 3; ++i) {
+        const dvec2 edge = a[(i + 1) % 3] - a[i];
+        const dvec2 inward = turn * dvec2(-edge.y, edge.x) / glm::length(edge);
+        double most = -kInfinity;
+        for (const dvec2& p : b) {
+            most = std::max(most, glm::dot(p - a[i], inward));
+        }
+        least = std::min(least, most);
+    }
+    return least;
+}
+
+double smallerSide(const Corners& c) {
+    const dvec2 lower = glm::min(glm::min(c[0], c[1]), c[2]);
+    const dvec2 upper = glm::max(glm::max(c[0], c[1]), c[2]);
+    return std::max(upper.x - lower.x, upper.y - lower.y);
+}
+
+bool overlap(const Corners& a, const Corners& b) {
+    const double touch = kTouch * std::min(smallerSide(a), smallerSide(b));
+    return reachInto(a, b) > touch && reachInto(b, a) > touch;
+}
+
+// Triangles of a chart as they are laid flat, found by where they lie.
+class Flat {
+  public:
+    explicit Flat(double cell) : cell_(cell) {}
+
+    bool free(const Corners& c) const {
+        bool is_free = true;
+        forCells(c, [&](int64_t key) {
+            const auto found = cells_.find(key);
+            if (!is_free || found == cells_.end()) {
+                return;
+            }
+            for (const uint32_t i : found->second) {
+                is_free = is_free && !overlap(c, placed_[i]);
+            }
+        });
+        return is_free;
+    }
+    void add(const Corners& c) {
+        forCells(
+            c, [&](int64_t key) { cells_[key].push_back(static_cast<uint32_t>(placed_.size())); });
+        placed_.push_back(c);
+    }
+
+  private:
+    template <class F>
+    void forCells(const Corners& c, const F& body) const {
+        constexpr double kFarthest = 1e9;
+        const dvec2 lower = glm::min(glm::min(c[0], c[1]), c[2]) / cell_;
+        const dvec2 upper = glm::max(glm::max(c[0], c[1]), c[2]) / cell_;
+        const auto at = [](double v) {
+            return static_cast<int64_t>(std::floor(glm::clamp(v, -kFarthest, kFarthest)));
+        };
+        for (int64_t y = at(lower.y); y <= at(upper.y); ++y) {
+            for (int64_t x = at(lower.x); x <= at(upper.x); ++x) {
+                body(y * (int64_t{1} << 32) + x);
+            }
+        }
+    }
+
+    double cell_;
+    std::vector<Corners> placed_;
+    std::unordered_map<int64_t, std::vector<uint32_t>> cells_;
+};
+
+struct Grower {
+    const Scene& scene;
+    std::vector<uint32_t> places;
+    std::vector<vec3> normals;
+    std::vector<float> areas;
+    std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> around;  // triangles at an edge
+    std::vector<bool> taken;
+
+    explicit Grower(const Scene& scene_) : scene(scene_), places(placesOf(scene_)) {
+        const size_t count = scene.triangles.size();
+        taken.resize(count);
+        for (uint32_t i = 0; i < count; ++i) {
+            const uvec3& t = scene.triangles[i];
+            normals.push_back(geometricNormal(scene, static_cast<int>(i)));
+            areas.push_back(0.5f *
+                            glm::length(glm::cross(scene.positions[t.y] - scene.positions[t.x],
+                                                   scene.positions[t.z] - scene.positions[t.x])));
+            for (int c = 0; c < 3; ++c) {
+                around[edge(i, c)].push_back(i);
+            }
+        }
+    }
+    std::pair<uint32_t, uint32_t> edge(uint32_t triangle, int c) const {
+        const uvec3& t = scene.triangles[triangle];
+        return std::minmax({places[t[c]], places[t[(c + 1) % 3]]});
+    }
+    Corners flat(uint32_t triangle, const mat3& frame) const {
+        Corners c;
+        for (size_t k = 0; k < 3; ++k) {
+            const dvec3 p(scene.positions[scene.triangles[triangle][static_cast<int>(k)]]);
+            c[k] = dvec2(glm::dot(p, dvec3(frame[0])), glm::dot(p, dvec3(frame[1])));
+        }
+        return c;
+    }
+
+    // From a triangle on, breadth first.
+    Chart grow(uint32_t first) {
+        const mat3 frame = tangentFrame(normals[first]);
+        Chart chart;
+        const auto add = [&](uint32_t i, const Corners& c) {
+            taken[i] = true;
+            chart.triangles.push_back(i);
+            chart.corners.push_back(c);
+        };
+        const Corners own = flat(first, frame);
+        Flat laid(smallerSide(own));
+        laid.add(own);
+        add(first, own);
+        for (size_t at = 0; at < chart.triangles.size(); ++at) {
+            for (int c = 0; c < 3; ++c) {
+                for (const uint32_t next : around[edge(chart.triangles[at], c)]) {
+                    if (taken[next] || glm::dot(normals[next], normals[first]) < kLeastCosine) {
+                        continue;
+                    }
+                    const Corners corners = flat(next, frame);
+                    if (laid.free(corners)) {
+                        laid.add(corners);
+                        add(next, corners);
+                    }
+                }
+            }
+        }
+        return chart;
+    }
+};
+
+// Counter-clockwise; by Andrew's monotone chain.
+std::vector<dvec2> convexHull(std::vector<dvec2> points) {
+    const auto before = [](const dvec2& a, const dvec2& b) {
+        return a.x < b.x || (a.x == b.x && a.y < b.y);
+    };
+    std::sort(points.begin(), points.end(), before);
+    std::vector<dvec2> hull;
+    for (int half = 0; half < 2; ++half) {
+        const size_t start = hull.size();
+        for (const dvec2& p : points) {
+            while (hull.size() >= start + 2 &&
+                   cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0.0) {
+                hull.pop_back();
+            }
+            hull.push_back(p);
+        }
+        hull.pop_back();
+        std::reverse(points.begin(), points.end());
+    }
+    return hull;
+}
+
+// Turned so that the rectangle around it is as small as it may be: one of the hull's edges lies
+// along it.
+void turn(Chart& chart) {
+    std::vector<dvec2> points;
+    for (const Corners& c : chart.corners) {
+        points.insert(points.end(), c.begin(), c.end());
+    }
+    const std::vector<dvec2> hull = convexHull(std::move(points));
+    double least = kInfinity;
+    dvec2 best_along(1.0, 0.0), best_lower(0.0);
+    for (size_t i = 0; i < hull.size(); ++i) {
+        const dvec2 edge = hull[(i + 1) % hull.size()] - hull[i];
+        if (!(glm::length(edge) > 0.0)) {
+            continue;
+        }
+        const dvec2 along = glm::normalize(edge);
+        dvec2 lower(kInfinity), upper(-kInfinity);
+        for (const dvec2& p : hull) {
+            const dvec2 q(glm::dot(p, along), cross(along, p));
+            lower = glm::min(lower, q);
+            upper = glm::max(upper, q);
+        }
+        const double area = (upper.x - lower.x) * (upper.y - lower.y);
+        if (area < least * (1.0 - 1e-9)) {
+            least = area;
+            best_along = along;
+            best_lower = lower;
+            chart.extent = upper - lower;
+        }
+    }
+    for (Corners& c : chart.corners) {
+        for (dvec2& p : c) {
+            p = dvec2(glm::dot(p, best_along), cross(best_along, p)) - best_lower;
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<uint32_t> placesOf(const Scene& scene) {
+    std::vector<uint32_t> order(scene.positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto key = [&](uint32_t i) {
+        const vec3& p = scene.positions[i];
+        return std::array<float, 3>{p.x, p.y, p.z};
+    };
+    std::sort(order.begin(), order.end(),
+              [&](uint32_t a, uint32_t b) { return std::pair(key(a), a) < std::pair(key(b), b); });
+    std::vector<uint32_t> places(order.size());
+    for (size_t k = 0; k < order.size(); ++k) {
+        const bool same = k > 0 && key(order[k]) == key(order[k - 1]);
+        places[order[k]] = same ? places[order[k - 1]] : order[k];
+    }
+    return places;
+}
+
+std::vector<Chart> makeCharts(const Scene& scene) {
+    Grower grower(scene);
+    std::vector<uint32_t> order(scene.triangles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](uint32_t a, uint32_t b) { return grower.areas[a] > grower.areas[b]; });
+    std::vector<Chart> charts;
+    for (const uint32_t i : order) {
+        if (!grower.taken[i]) {
+            charts.push_back(grower.grow(i));
+            turn(charts.back());
+        }
+    }
+    return charts;
+}
+
+}  // namespace sheen

@@ -1,0 +1,26 @@
+// Charts: pieces of surface that can be laid flat. Based on: [SWGSH03], greedily from the largest
+// triangle on, by normals alone.
+#pragma once
+
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace sheen {
+
+/// Triangles that share edges, face about one way, and do not lie above each other as seen from
+/// there.
+struct Chart {
+    std::vector<uint32_t> triangles;
+    std::vector<std::array<glm::dvec2, 3>>
+        corners;  ///< [of the above], scene units; from (0, 0) on
+    glm::dvec2 extent{0.0};
+};
+
+/// All triangles, each in one chart.
+std::vector<Chart> makeCharts(const Scene& scene);
+
+/// Numbers of the places that vertices stand at: the same for those of the same place.
+std::vector<uint32_t> placesOf(const Scene& scene);
+
+}  // namespace sheen

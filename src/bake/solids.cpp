@@ -1,0 +1,144 @@
+#include "bake/solids.h"
+
+#include <array>
+#include <map>
+#include <utility>
+
+#include "bake/charts.h"
+#include "core/directions.h"
+#include "rays/jitter.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kRays = 2 * Tracer::kPacket;
+
+// Numbers of connected surfaces, [triangle].
+std::vector<uint32_t> partsOf(const Scene& scene, const std::vector<uint32_t>& places,
+                              uint32_t& count) {
+    std::vector<uint32_t> root(scene.positions.size());
+    for (uint32_t i = 0; i < root.size(); ++i) {
+        root[i] = i;
+    }
+    const auto find = [&](uint32_t i) {
+        while (root[i] != i) {
+            i = root[i] = root[root[i]];
+        }
+        return i;
+    };
+    for (const uvec3& t : scene.triangles) {
+        root[find(places[t.y])] = find(places[t.x]);
+        root[find(places[t.z])] = find(places[t.x]);
+    }
+    constexpr uint32_t kNone = ~0u;
+    std::vector<uint32_t> number(root.size(), kNone);
+    std::vector<uint32_t> parts;
+    for (const uvec3& t : scene.triangles) {
+        uint32_t& own = number[find(places[t.x])];
+        own = own == kNone ? count++ : own;
+        parts.push_back(own);
+    }
+    return parts;
+}
+
+}  // namespace
+
+Solids::Solids(const Tracer& tracer) : tracer_(tracer) {
+    const Scene& scene = tracer.scene();
+    const std::vector<uint32_t> places = placesOf(scene);
+    uint32_t parts = 0;
+    part_of_ = partsOf(scene, places, parts);
+    // Closed where each edge is passed once in both directions; outward where it has a volume.
+    std::map<std::pair<uint32_t, uint32_t>, int> passed;
+    std::vector<double> volumes(parts);
+    const dvec3 middle(scene.bounds.center());
+    for (size_t i = 0; i < scene.triangles.size(); ++i) {
+        const uvec3& t = scene.triangles[i];
+        for (int c = 0; c < 3; ++c) {
+            ++passed[{places[t[c]], places[t[(c + 1) % 3]]}];
+        }
+        const dvec3 a = dvec3(scene.positions[t.x]) - middle;
+        const dvec3 b = dvec3(scene.positions[t.y]) - middle;
+        const dvec3 c = dvec3(scene.positions[t.z]) - middle;
+        volumes[part_of_[i]] += glm::dot(a, glm::cross(b, c));
+    }
+    solid_.resize(parts);
+    for (uint32_t i = 0; i < parts; ++i) {
+        solid_[i] = volumes[i] > 0.0;
+    }
+    for (size_t i = 0; i < scene.triangles.size(); ++i) {
+        const uvec3& t = scene.triangles[i];
+        for (int c = 0; c < 3; ++c) {
+            const uint32_t from = places[t[c]], to = places[t[(c + 1) % 3]];
+            const auto back = passed.find({to, from});
+            if (passed.at({from, to}) != 1 || back == passed.end() || back->second != 1) {
+                solid_[part_of_[i]] = false;
+            }
+        }
+    }
+    std::vector<vec3> within;
+    for (const PunctualLight& light : scene.lights) {
+        if (light.kind != shared::LIGHT_DIRECTIONAL) {
+            within.push_back(light.position);
+        }
+    }
+    for (const Camera& camera : scene.cameras) {
+        within.emplace_back(camera.world_from_camera[3]);
+    }
+    for (const vec3& p : within) {
+        const std::vector<bool> met = metFromWithin(p);
+        for (uint32_t i = 0; i < parts; ++i) {
+            solid_[i] = solid_[i] && !met[i];
+        }
+    }
+    for (uint32_t i = 0; i < parts; ++i) {
+        count_ += solid_[i] ? 1 : 0;
+    }
+}
+
+// Which parts most rays from a point meet from behind.
+std::vector<bool> Solids::metFromWithin(const vec3& from) const {
+    std::array<vec3, kRays> directions;
+    for (uint32_t i = 0; i < kRays; ++i) {
+        const vec2 u = randomPlace(i, 0);
+        const float z = 2.0f * u.x - 1.0f, r = std::sqrt(1.0f - z * z), phi = 2.0f * kPi * u.y;
+        directions[i] = {r * std::cos(phi), r * std::sin(phi), z};
+    }
+    std::array<Hit, kRays> hits;
+    tracer_.meet({.origin = from, .directions = directions}, hits.data());
+    std::vector<int> met(solid_.size());
+    for (const Hit& hit : hits) {
+        if (hit.found() && hit.back) {
+            ++met[part_of_[hit.triangle]];
+        }
+    }
+    std::vector<bool> most(solid_.size());
+    for (size_t i = 0; i < most.size(); ++i) {
+        most[i] = 2 * met[i] > kRays;
+    }
+    return most;
+}
+
+bool Solids::bury(const SurfaceSide& p, const vec3& normal) const {
+    if (empty()) {
+        return false;
+    }
+    std::array<vec3, kRays> directions;
+    size_t count = 0;
+    const mat3 frame = tangentFrame(normal);
+    for (uint32_t i = 0; i < kRays; ++i) {
+        const vec3 direction = glm::normalize(frame * cosineDirection(randomPlace(i, 1)));
+        if (glm::dot(direction, p.n_g) > 0.0f) {
+            directions[count++] = direction;
+        }
+    }
+    std::array<Hit, kRays> hits;
+    tracer_.meet({.origin = p.start(), .directions = {directions.data(), count}}, hits.data());
+    size_t within = 0;
+    for (size_t i = 0; i < count; ++i) {
+        within += hits[i].found() && hits[i].back && solid_[part_of_[hits[i].triangle]] ? 1 : 0;
+    }
+    return 2 * within > count;
+}
+
+}  // namespace sheen

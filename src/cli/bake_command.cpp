@@ -1,0 +1,231 @@
+// sheen bake: a scene's light into a lightmap.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "bake/bake.h"
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "cli/output.h"
+#include "core/parallel.h"
+#include "core/timer.h"
+#include "image/exr.h"
+#include "image/png.h"
+
+namespace sheen::cli {
+namespace {
+
+const std::map<std::string, BakeMethod> kBakeMethods = {{"records", BakeMethod::kRecords},
+                                                        {"texels", BakeMethod::kTexels},
+                                                        {"reference", BakeMethod::kReference}};
+
+struct BakeOptions {
+    std::string scene;
+    std::vector<std::string> outputs;
+    std::string method = "records";
+    std::string bounces = "all";
+    std::string json;
+    int threads = 0;
+    bool unlit = false;
+    LoadParams load;
+    AtlasParams atlas;
+    BakeParams params;
+    CLI::Option* accuracy_option = nullptr;
+    CLI::Option* spp_option = nullptr;
+    CLI::Option* seed_option = nullptr;
+};
+
+enum class BakedKind { kExr, kPng, kGlb };
+
+BakedKind bakedKind(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (extension == ".exr") {
+        return BakedKind::kExr;
+    }
+    if (extension == ".png") {
+        return BakedKind::kPng;
+    }
+    if (extension == ".glb") {
+        return BakedKind::kGlb;
+    }
+    throwUsage("-o {}: the name of what is baked must end in .glb, .exr or .png", path);
+}
+
+void understand(BakeOptions& o) {
+    o.params.method = kBakeMethods.at(o.method);
+    o.params.bounces = parseBounces(o.bounces);
+    const bool paths = o.params.method == BakeMethod::kReference;
+    for (const CLI::Option* option : {o.spp_option, o.seed_option}) {
+        if (option->count() > 0 && !paths) {
+            throwUsage("{}: only --method reference traces paths", option->get_name());
+        }
+    }
+    if (o.accuracy_option->count() > 0 && paths) {
+        throwUsage("--accuracy: --method reference has none; --spp makes it finer");
+    }
+    constexpr int kUsualSize = 512;
+    if (o.atlas.size == 0 && o.atlas.texels_per_metre == 0.0f) {
+        o.atlas.size = kUsualSize;
+    }
+    if (o.outputs.empty()) {
+        o.outputs.push_back(std::filesystem::path(o.scene).stem().string() + "_baked.glb");
+    }
+    for (const std::string& output : o.outputs) {
+        bakedKind(output);
+    }
+}
+
+Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, double load,
+              double total) {
+    const BakeStats& s = baked.stats;
+    const bool paths = o.params.method == BakeMethod::kReference;
+    Json json = {{"scene", o.scene},
+                 {"outputs", o.outputs},
+                 {"method", o.method},
+                 {"size", map.atlas.size},
+                 {"charts", map.atlas.charts},
+                 {"own_coordinates", map.atlas.of_file},
+                 {"texels_covered", map.covered},
+                 {"texels_buried", map.buried},
+                 {"texels_pushed", map.pushed}};
+    if (paths) {
+        json["spp"] = o.params.spp;
+    } else {
+        json["accuracy"] = o.params.accuracy;
+        json["records"] = s.records;
+        json["records_share"] = s.records / std::max(1.0, double(map.covered - map.buried));
+        json["texels_uncovered"] = s.uncovered;
+    }
+    json["seconds"] = {{"total", total},
+                       {"load", load},
+                       {"lights", s.seconds_lights},
+                       {"direct", s.seconds_direct},
+                       {"placement", s.seconds_place},
+                       {"gather", s.seconds_gather},
+                       {"interpolation", s.seconds_interpolate},
+                       {"trace", s.seconds_trace}};
+    return json;
+}
+
+void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, double total) {
+    fmt::print("atlas       {} x {} texels, {} charts, {}\n", map.atlas.size, map.atlas.size,
+               map.atlas.charts,
+               map.atlas.of_file ? "by the file's coordinates" : "made for this scene");
+    fmt::print("texels      {} covered, {} of them buried, {} moved out of what buries them\n",
+               map.covered, map.buried, map.pushed);
+    if (o.params.method == BakeMethod::kReference) {
+        fmt::print("paths       {} a texel\n", o.params.spp);
+    } else {
+        fmt::print("records     {}: {:.2f}% of the texels\n", baked.stats.records,
+                   100.0 * baked.stats.records / std::max(1, map.covered - map.buried));
+    }
+    const BakeStats& s = baked.stats;
+    fmt::print(
+        "seconds     {:.2f}: lights {:.2f}, direct {:.2f}, placement {:.2f}, gather {:.2f}, "
+        "interpolation {:.2f}, paths {:.2f}\n",
+        total, s.seconds_lights, s.seconds_direct, s.seconds_place, s.seconds_gather,
+        s.seconds_interpolate, s.seconds_trace);
+}
+
+ExitCode runBake(BakeOptions& o) {
+    const Timer total;
+    understand(o);
+    setThreadCount(o.threads);
+    const Timer load;
+    const Scene scene = loadScene(o.scene, o.load);
+    for (const std::string& warning : scene.warnings) {
+        warn(warning);
+    }
+    const double load_seconds = load.seconds();
+    std::vector<OutputFile> files{{"--json", o.json}};
+    for (const std::string& output : o.outputs) {
+        files.push_back({"-o", output});
+    }
+    checkOutputs(files, scene.files);
+    const Tracer tracer(scene);
+    const Lightmap map = lightmapOf(tracer, atlasOf(scene, o.atlas));
+    const Baked baked = bake(tracer, map, o.params);
+    for (const std::string& output : o.outputs) {
+        switch (bakedKind(output)) {
+            case BakedKind::kExr:
+                writeExr(output, baked.frame, ExrLayers::kBasic);
+                break;
+            case BakedKind::kPng:
+                writePng(output, beauty(baked.frame), std::nullopt);
+                break;
+            case BakedKind::kGlb:
+                break;
+        }
+    }
+    if (baked.stats.uncovered > 0) {
+        warn(fmt::format("{} texels have no record: their numbers are not sound",
+                         baked.stats.uncovered));
+    }
+    const double seconds = total.seconds();
+    writeJson(o.json, bakeJson(o, map, baked, load_seconds, seconds));
+    if (wantsText(o.json)) {
+        printBake(o, map, baked, seconds);
+    }
+    return ExitCode::kDone;
+}
+
+}  // namespace
+
+Command addBake(CLI::App& program) {
+    CLI::App* app = program.add_subcommand("bake", "Bake a scene's light into a lightmap");
+    const auto o = std::make_shared<BakeOptions>();
+    app->add_option("SCENE", o->scene, "glTF scene, .glb or .gltf")
+        ->type_name("FILE")
+        ->required()
+        ->check(fileName());
+    app->add_option("-o,--output", o->outputs,
+                    "What to write, may be given more than once: .glb, the scene with its "
+                    "lightmap; .exr, the lightmap alone with all figures; .png, to look at; "
+                    "default: the scene's name with _baked.glb, in the current folder")
+        ->type_name("FILE")
+        ->allow_extra_args(false)
+        ->check(fileName());
+    CLI::Option* size =
+        app->add_option("--size", o->atlas.size, "Texels along each side of the lightmap")
+            ->check(CLI::Range(kLeastAtlas, kLargestAtlas))
+            ->default_str("512, or what --texels-per-metre asks for");
+    static_cast<void>(size);
+    app->add_option("--texels-per-metre", o->atlas.texels_per_metre,
+                    "Texels along each unit of the scene's surfaces; default: as many as --size "
+                    "holds")
+        ->check(numberIn(1e-6, 1e6))
+        ->default_str("");
+    app->add_option("--method", o->method,
+                    "records (gathered at few texels), texels (the same at each of them), "
+                    "reference (path tracer)")
+        ->check(CLI::IsMember({"records", "texels", "reference"}))
+        ->capture_default_str();
+    o->accuracy_option =
+        app->add_option("--accuracy", o->params.accuracy,
+                        "records, texels: largest error of a record's reuse, smaller is better "
+                        "and slower")
+            ->check(numberIn(0.01, 2))
+            ->capture_default_str();
+    o->spp_option = app->add_option("--spp", o->params.spp, "reference: paths a texel")
+                        ->check(CLI::Range(1, 1 << 24))
+                        ->capture_default_str();
+    o->seed_option = app->add_option("--seed", o->params.seed, "reference: of its random numbers")
+                         ->capture_default_str();
+    app->add_option("--bounces", o->bounces, "As sheen render has it: all, or 1..64")
+        ->capture_default_str();
+    app->add_flag("--indirect-only", o->params.indirect_only,
+                  "Leave out the light that comes straight from lights and lamps");
+    addEnvironmentOptions(*app, o->load.environment);
+    app->add_option("--threads", o->threads, "Threads to use; 0: one a hardware thread")
+        ->check(numberIn(0, 256))
+        ->capture_default_str();
+    app->add_option("--json", o->json, "File for all figures as JSON; -: standard output")
+        ->type_name("FILE")
+        ->check(fileName());
+    app->add_flag("-q,--quiet", o->params.quiet, "No progress");
+    return {app, [o] { return runBake(*o); }};
+}
+
+}  // namespace sheen::cli
