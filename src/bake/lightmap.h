@@ -22,9 +22,8 @@ struct Lightmap {
 };
 
 /// Every texel that a triangle touches gets a point: its middle, or what of the triangle is nearest
-/// to that. A point that lies within a solid, which is a closed surface that faces outward, gives
-/// way to another one of the same texel and triangle that does not, if there is one. Solids with
-/// lights or cameras within are rooms, and bury nothing.
+/// to that. A point that lies within a solid (solids.h) gives way to another one of the same texel
+/// and triangle that does not, if there is one.
 Lightmap lightmapOf(const Tracer& tracer, Atlas atlas);
 
 }  // namespace sheen

@@ -43,14 +43,11 @@ std::vector<uint32_t> partsOf(const Scene& scene, const std::vector<uint32_t>& p
 
 }  // namespace
 
-Solids::Solids(const Tracer& tracer) : tracer_(tracer) {
-    const Scene& scene = tracer.scene();
-    const std::vector<uint32_t> places = placesOf(scene);
-    uint32_t parts = 0;
-    part_of_ = partsOf(scene, places, parts);
-    // Closed where each edge is passed once in both directions; outward where it has a volume.
+// Closed where each edge is passed once in both directions; outward where there is a volume then.
+std::vector<bool> Solids::closedParts(const std::vector<uint32_t>& places) const {
+    const Scene& scene = tracer_.scene();
     std::map<std::pair<uint32_t, uint32_t>, int> passed;
-    std::vector<double> volumes(parts);
+    std::vector<double> volumes(parts_);
     const dvec3 middle(scene.bounds.center());
     for (size_t i = 0; i < scene.triangles.size(); ++i) {
         const uvec3& t = scene.triangles[i];
@@ -62,9 +59,9 @@ Solids::Solids(const Tracer& tracer) : tracer_(tracer) {
         const dvec3 c = dvec3(scene.positions[t.z]) - middle;
         volumes[part_of_[i]] += glm::dot(a, glm::cross(b, c));
     }
-    solid_.resize(parts);
-    for (uint32_t i = 0; i < parts; ++i) {
-        solid_[i] = volumes[i] > 0.0;
+    std::vector<bool> closed(parts_);
+    for (size_t i = 0; i < parts_; ++i) {
+        closed[i] = volumes[i] > 0.0;
     }
     for (size_t i = 0; i < scene.triangles.size(); ++i) {
         const uvec3& t = scene.triangles[i];
@@ -72,27 +69,39 @@ Solids::Solids(const Tracer& tracer) : tracer_(tracer) {
             const uint32_t from = places[t[c]], to = places[t[(c + 1) % 3]];
             const auto back = passed.find({to, from});
             if (passed.at({from, to}) != 1 || back == passed.end() || back->second != 1) {
-                solid_[part_of_[i]] = false;
+                closed[part_of_[i]] = false;
             }
         }
     }
-    std::vector<vec3> within;
+    return closed;
+}
+
+Solids::Solids(const Tracer& tracer) : tracer_(tracer) {
+    const Scene& scene = tracer.scene();
+    const std::vector<uint32_t> places = placesOf(scene);
+    part_of_ = partsOf(scene, places, parts_);
+    const std::vector<bool> closed = closedParts(places);
+    std::vector<vec3> stands;
     for (const PunctualLight& light : scene.lights) {
         if (light.kind != shared::LIGHT_DIRECTIONAL) {
-            within.push_back(light.position);
+            stands.push_back(light.position);
         }
     }
     for (const Camera& camera : scene.cameras) {
-        within.emplace_back(camera.world_from_camera[3]);
+        stands.emplace_back(camera.world_from_camera[3]);
     }
-    for (const vec3& p : within) {
+    room_.resize(parts_);
+    for (const vec3& p : stands) {
         const std::vector<bool> met = metFromWithin(p);
-        for (uint32_t i = 0; i < parts; ++i) {
-            solid_[i] = solid_[i] && !met[i];
+        for (uint32_t i = 0; i < parts_; ++i) {
+            room_[i] = room_[i] || met[i];
         }
     }
-    for (uint32_t i = 0; i < parts; ++i) {
-        count_ += solid_[i] ? 1 : 0;
+    solid_.resize(scene.triangles.size());
+    for (size_t i = 0; i < scene.triangles.size(); ++i) {
+        const uint32_t part = part_of_[i];
+        solid_[i] =
+            !room_[part] && (closed[part] || scene.materials[scene.materials_of[i]].single_sided);
     }
 }
 
@@ -106,13 +115,13 @@ std::vector<bool> Solids::metFromWithin(const vec3& from) const {
     }
     std::array<Hit, kRays> hits;
     tracer_.meet({.origin = from, .directions = directions}, hits.data());
-    std::vector<int> met(solid_.size());
+    std::vector<int> met(parts_);
     for (const Hit& hit : hits) {
         if (hit.found() && hit.back) {
             ++met[part_of_[hit.triangle]];
         }
     }
-    std::vector<bool> most(solid_.size());
+    std::vector<bool> most(parts_);
     for (size_t i = 0; i < most.size(); ++i) {
         most[i] = 2 * met[i] > kRays;
     }
@@ -120,9 +129,6 @@ std::vector<bool> Solids::metFromWithin(const vec3& from) const {
 }
 
 bool Solids::bury(const SurfaceSide& p, const vec3& normal) const {
-    if (empty()) {
-        return false;
-    }
     std::array<vec3, kRays> directions;
     size_t count = 0;
     const mat3 frame = tangentFrame(normal);
@@ -134,11 +140,16 @@ bool Solids::bury(const SurfaceSide& p, const vec3& normal) const {
     }
     std::array<Hit, kRays> hits;
     tracer_.meet({.origin = p.start(), .directions = {directions.data(), count}}, hits.data());
-    size_t within = 0;
+    size_t within = 0, behind_one = 0;
+    const uint32_t one = hits[0].found() ? part_of_[hits[0].triangle] : 0;
     for (size_t i = 0; i < count; ++i) {
-        within += hits[i].found() && hits[i].back && solid_[part_of_[hits[i].triangle]] ? 1 : 0;
+        if (hits[i].found() && hits[i].back) {
+            const uint32_t part = part_of_[hits[i].triangle];
+            within += solid_[hits[i].triangle] ? 1 : 0;
+            behind_one += part == one && !room_[part] ? 1 : 0;
+        }
     }
-    return 2 * within > count;
+    return 2 * within > count || (count > 0 && behind_one == count);
 }
 
 }  // namespace sheen

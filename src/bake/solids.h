@@ -1,4 +1,6 @@
-// What is solid: closed surfaces that face outward. A point within one is seen by no one.
+// What is solid: closed surfaces that face outward, and those whose material shows from the front
+// alone. A point from where their backs are seen is one that no one sees. So is one from where
+// nothing is seen but the back of one connected surface, as under a box without a bottom.
 #pragma once
 
 #include <vector>
@@ -10,20 +12,23 @@ namespace sheen {
 
 class Solids {
   public:
-    /// Of the tracer's scene; without those that lights or cameras stand in: those are rooms.
+    /// Of the tracer's scene. Connected surfaces that lights or cameras stand in are rooms, and
+    /// bury nothing.
     explicit Solids(const Tracer& tracer);
 
-    bool empty() const { return count_ == 0; }
-    /// Whether most rays that leave a point of a surface meet solids from within.
+    /// Whether most rays that leave a point of a surface meet backs of solids, or all of them that
+    /// of one surface.
     bool bury(const SurfaceSide& p, const vec3& normal) const;
 
   private:
+    std::vector<bool> closedParts(const std::vector<uint32_t>& places) const;
     std::vector<bool> metFromWithin(const vec3& from) const;
 
     const Tracer& tracer_;
     std::vector<uint32_t> part_of_;  // [triangle]: connected surfaces
-    std::vector<bool> solid_;        // [part]
-    int count_ = 0;
+    uint32_t parts_ = 0;
+    std::vector<bool> room_;   // [part]
+    std::vector<bool> solid_;  // [triangle]
 };
 
 }  // namespace sheen
