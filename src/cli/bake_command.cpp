@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "bake/bake.h"
+#include "bake/encode.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/output.h"
@@ -11,6 +11,7 @@
 #include "core/timer.h"
 #include "image/exr.h"
 #include "image/png.h"
+#include "scene/lightmap_file.h"
 
 namespace sheen::cli {
 namespace {
@@ -129,11 +130,48 @@ void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, do
         s.seconds_interpolate, s.seconds_trace);
 }
 
+void writeBakedScene(const BakeOptions& o, const std::string& path, const Scene& scene,
+                     const Lightmap& map, const Image<vec3>& irradiance) {
+    LightmapFile file{.source = o.scene,
+                      .corners = map.atlas.corners,
+                      .png = {},
+                      .unlit = o.unlit,
+                      .lights_baked = o.unlit || !o.params.indirect_only};
+    for (std::array<vec2, 3>& corners : file.corners) {
+        for (vec2& corner : corners) {
+            corner /= static_cast<float>(map.atlas.size);
+        }
+    }
+    const EncodedLight encoded =
+        o.unlit ? encodeUnlit(scene, map, irradiance) : encodeIrradiance(map, irradiance);
+    file.png = encoded.png;
+    file.intensity = encoded.intensity;
+    writeLightmapped(path, scene, file);
+}
+
+void writeOutputs(const BakeOptions& o, const Scene& scene, const Lightmap& map,
+                  const Baked& baked) {
+    for (const std::string& output : o.outputs) {
+        switch (bakedKind(output)) {
+            case BakedKind::kExr:
+                writeExr(output, baked.frame, ExrLayers::kBasic);
+                break;
+            case BakedKind::kPng:
+                writePng(output, beauty(baked.frame), std::nullopt);
+                break;
+            case BakedKind::kGlb:
+                writeBakedScene(o, output, scene, map, beauty(baked.frame));
+                break;
+        }
+    }
+}
+
 ExitCode runBake(BakeOptions& o) {
     const Timer total;
     understand(o);
     setThreadCount(o.threads);
     const Timer load;
+    o.load.sources = true;
     const Scene scene = loadScene(o.scene, o.load);
     for (const std::string& warning : scene.warnings) {
         warn(warning);
@@ -147,18 +185,7 @@ ExitCode runBake(BakeOptions& o) {
     const Tracer tracer(scene);
     const Lightmap map = lightmapOf(tracer, atlasOf(scene, o.atlas));
     const Baked baked = bake(tracer, map, o.params);
-    for (const std::string& output : o.outputs) {
-        switch (bakedKind(output)) {
-            case BakedKind::kExr:
-                writeExr(output, baked.frame, ExrLayers::kBasic);
-                break;
-            case BakedKind::kPng:
-                writePng(output, beauty(baked.frame), std::nullopt);
-                break;
-            case BakedKind::kGlb:
-                break;
-        }
-    }
+    writeOutputs(o, scene, map, baked);
     if (baked.stats.uncovered > 0) {
         warn(fmt::format("{} texels have no record: their numbers are not sound",
                          baked.stats.uncovered));
@@ -217,6 +244,8 @@ Command addBake(CLI::App& program) {
         ->capture_default_str();
     app->add_flag("--indirect-only", o->params.indirect_only,
                   "Leave out the light that comes straight from lights and lamps");
+    app->add_flag("--unlit", o->unlit,
+                  ".glb: light and colours in one image, for viewers that know no lightmaps");
     addEnvironmentOptions(*app, o->load.environment);
     app->add_option("--threads", o->threads, "Threads to use; 0: one a hardware thread")
         ->check(numberIn(0, 256))

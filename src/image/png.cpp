@@ -77,6 +77,18 @@ std::string pngBytes(const Image<Rgb8>& image) {
                         palette.colors);
 }
 
+std::string pngBytes(const Image<Rgb8>& image, const Image<float>& alpha) {
+    SHEEN_CHECK_EQ(image.pixels.size(), alpha.pixels.size());
+    std::vector<uint8_t> pixels;
+    pixels.reserve(4 * image.pixels.size());
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+        const Rgb8& c = image.pixels[i];
+        const auto a = static_cast<uint8_t>(std::lround(255.0f * alpha.pixels[i]));
+        pixels.insert(pixels.end(), {c.r, c.g, c.b, a});
+    }
+    return encode(image.width, image.height, PNG_FORMAT_RGBA, pixels.data(), {});
+}
+
 void writePng(const std::string& path, const Image<Rgb8>& image) {
     writeBytes(path, pngBytes(image));
 }
@@ -99,14 +111,7 @@ void writePng(const std::string& path, const Frame& frame, std::optional<float> 
         writePng(path, image);
         return;
     }
-    std::vector<uint8_t> pixels;
-    pixels.reserve(4 * image.pixels.size());
-    for (size_t i = 0; i < image.pixels.size(); ++i) {
-        const Rgb8& c = image.pixels[i];
-        const auto a = static_cast<uint8_t>(std::lround(255.0f * opaque.pixels[i]));
-        pixels.insert(pixels.end(), {c.r, c.g, c.b, a});
-    }
-    writeBytes(path, encode(image.width, image.height, PNG_FORMAT_RGBA, pixels.data(), {}));
+    writeBytes(path, pngBytes(image, opaque));
 }
 
 }  // namespace sheen

@@ -20,6 +20,9 @@ void writePng(const std::string& path, const Frame& frame, std::optional<float> 
 /// Display values as they are, as the bytes of a PNG file; with a palette where 256 colours do.
 std::string pngBytes(const Image<Rgb8>& image);
 
+/// The same with how much each pixel covers, [0, 1].
+std::string pngBytes(const Image<Rgb8>& image, const Image<float>& alpha);
+
 /// Writes display values as they are: charts, false colours.
 void writePng(const std::string& path, const Image<Rgb8>& image);
 

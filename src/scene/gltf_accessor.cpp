@@ -208,6 +208,17 @@ int accessorComponents(const File& file, int accessor_index, const std::string& 
     }
 }
 
+std::vector<double> readNumbers(const File& file, int accessor_index, const std::string& where) {
+    const int components = accessorComponents(file, accessor_index, where);
+    if (components == 0) {
+        file.fail(where, "accessor {} is of a type that no vertex has; export the file again",
+                  accessor_index);
+    }
+    return readAccessor(file, file.model.accessors[static_cast<size_t>(accessor_index)],
+                        static_cast<size_t>(components),
+                        fmt::format("{}, accessor {}", where, accessor_index));
+}
+
 std::vector<float> readFloats(const File& file, int accessor_index, int components,
                               Integers integers, const std::string& owner) {
     const tinygltf::Accessor& accessor =

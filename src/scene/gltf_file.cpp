@@ -270,6 +270,11 @@ std::string label(const char* kind, size_t index, const std::string& name) {
                         : fmt::format("{} {} ({})", kind, index, oneLine(name));
 }
 
+std::string jsonOf(const std::string& path) {
+    const std::string bytes = readWholeFile(path);
+    return std::string(documentOf(path, bytes).json);
+}
+
 void parse(File& file) {
     const std::string bytes = readWholeFile(file.path);
     const Document parts = documentOf(file.path, bytes);

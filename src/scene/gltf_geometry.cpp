@@ -21,6 +21,7 @@ struct Primitive {
     std::vector<vec4> colors;  // empty: white
     std::vector<vec4> tangents;
     std::vector<uvec3> triangles;
+    std::vector<bool> mirrored;  // [vertex]: whose triangles are turned round
 };
 
 std::vector<uvec3> trianglesOf(const std::vector<uint32_t>& index, int mode) {
@@ -195,7 +196,8 @@ struct Placement {
 void transform(Primitive& primitive, const glm::dmat4& world_from_mesh,
                const std::vector<glm::dmat4>& of_vertices) {
     Placement placement(world_from_mesh);
-    std::vector<bool> mirrored(primitive.positions.size(), placement.mirrors());
+    std::vector<bool>& mirrored = primitive.mirrored;
+    mirrored.assign(primitive.positions.size(), placement.mirrors());
     for (size_t i = 0; i < primitive.positions.size(); ++i) {
         if (!of_vertices.empty()) {
             placement = Placement(of_vertices[i]);
@@ -356,6 +358,9 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
         }
         scene.triangles.push_back(triangle);
         scene.materials_of.push_back(material);
+        if (file.keeps_sources) {
+            scene.source_corners.emplace_back(t, primitive.mirrored[t.x] ? 1 : 0);
+        }
     }
     if (bad_uvs > 0) {
         file.notes.add("texture coordinate that was not finite set to zero", bad_uvs);
@@ -415,6 +420,12 @@ void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
             primitive.tangents.clear();  // flat normals are not those that tangents were made for
         }
         const size_t first_triangle = scene.triangles.size();
+        if (file.keeps_sources) {
+            scene.sources.push_back({.first_triangle = static_cast<uint32_t>(first_triangle),
+                                     .node = pose.node,
+                                     .primitive = static_cast<int>(i),
+                                     .instance = pose.instance});
+        }
         append(file, primitive, material, scene);
         if (mapped && primitive.tangents.empty()) {
             makeTangents(scene, first_triangle);

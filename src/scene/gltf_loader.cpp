@@ -73,7 +73,7 @@ void checkExtent(const File& file, const Scene& scene) {
 
 Scene loadScene(const std::string& path, const LoadParams& params) {
     const EnvironmentParams& environment = params.environment;
-    gltf::File file{.path = path, .model = {}, .notes = {}};
+    gltf::File file{.path = path, .model = {}, .keeps_sources = params.sources, .notes = {}};
     Scene scene;
     try {
         gltf::parse(file);

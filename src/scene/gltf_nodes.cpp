@@ -196,7 +196,9 @@ void appendNode(File& file, const PlacedNode& placed, const std::vector<glm::dma
     const glm::dmat4 world_from_node = world_from_file * placed.file_from_node;
     if (node.mesh != -1) {
         file.at(file.model.meshes, node.mesh, where, "mesh");
-        Pose pose{.world_from_mesh = world_from_node, .weights = morphWeights(file, node)};
+        Pose pose{.world_from_mesh = world_from_node,
+                  .weights = morphWeights(file, node),
+                  .node = placed.node};
         if (node.skin != -1) {
             pose.world_from_joint = jointTransforms(file, node.skin, file_from_node, where);
             for (glm::dmat4& joint : pose.world_from_joint) {
@@ -206,6 +208,7 @@ void appendNode(File& file, const PlacedNode& placed, const std::vector<glm::dma
         for (const glm::dmat4& node_from_instance : instancesOf(file, node, where)) {
             pose.world_from_mesh = world_from_node * node_from_instance;
             appendMesh(file, node.mesh, pose, scene);
+            ++pose.instance;
         }
     }
     if (node.camera != -1) {

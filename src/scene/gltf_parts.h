@@ -52,8 +52,9 @@ struct File {
     std::vector<FileBytes> buffers = {};
     std::vector<EncodedImage> images = {};
     bool animated = false;
-    std::string variants = {};  ///< their names, for messages
-    int variant = -1;           ///< that is chosen; -1: none
+    bool keeps_sources = false;  ///< LoadParams::sources
+    std::string variants = {};   ///< their names, for messages
+    int variant = -1;            ///< that is chosen; -1: none
     Notes notes;
     /// Cameras of Scene without perspective, until the scene's size is known.
     struct ParallelCamera {
@@ -90,6 +91,9 @@ void parse(File& file);
 
 /// Whether an extension is one that docs/gltf.md lists, right or not: a file may require it.
 bool isUnderstood(const std::string& extension);
+
+/// The JSON text of a file that parse() accepted.
+std::string jsonOf(const std::string& path);
 
 /// Notes what the file as a whole asks for and does not get: extensions, animations.
 void noteIgnoredParts(File& file);
@@ -142,6 +146,9 @@ int accessorComponents(const File& file, int accessor, const std::string& where)
 /// integers become [0, 1] or [-1, 1]; sparse accessors are filled in.
 std::vector<float> readFloats(const File& file, int accessor, int components, Integers integers,
                               const std::string& where);
+
+/// An accessor's numbers as they are stored, sparse ones filled in.
+std::vector<double> readNumbers(const File& file, int accessor, const std::string& where);
 
 /// An accessor's values as vertex indices, each below `vertex_count`.
 std::vector<uint32_t> readIndices(const File& file, int accessor, size_t vertex_count,
@@ -221,6 +228,8 @@ struct Pose {
     glm::dmat4 world_from_mesh;
     std::vector<glm::dmat4> world_from_joint = {};  ///< of a skin, from the mesh; empty: none
     std::vector<double> weights = {};               ///< of morph targets
+    int node = -1;                                  ///< whose mesh it is
+    int instance = 0;                               ///< of the node
 };
 
 /// Appends a mesh, transformed to world space: by its skin where it has one.

@@ -59,6 +59,16 @@ struct Scene {
     std::vector<Feature> features;
     std::vector<std::string> warnings;  ///< one line each: what the loader had to leave out or mend
 
+    /// Where in the file triangles come from, by LoadParams::sources; else empty.
+    struct Source {
+        uint32_t first_triangle;  ///< up to the next one's
+        int node, primitive;      ///< of the node's mesh
+        int instance;             ///< of EXT_mesh_gpu_instancing; else 0
+    };
+    std::vector<Source> sources;
+    /// [triangle]: the primitive's vertices at its corners; w: 1 where the last two were exchanged.
+    std::vector<uvec4> source_corners;
+
     int triangleCount() const { return static_cast<int>(triangles.size()); }
     /// A point of world space in the file's coordinates.
     dvec3 inFile(const vec3& p) const { return dvec3(p) + origin; }
@@ -82,6 +92,8 @@ struct LoadParams {
     std::string variant = {};  ///< of KHR_materials_variants; empty: the materials as they are
     /// The light of the surroundings, of which the file says nothing.
     EnvironmentParams environment = {};
+    /// Whether to fill Scene::sources.
+    bool sources = false;
 };
 
 /// Loads a .glb or .gltf file: geometry with its transforms, materials with their textures, cameras

@@ -1,0 +1,98 @@
+#include "bake/encode.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "bake/dilate.h"
+#include "core/parallel.h"
+#include "image/png.h"
+#include "rays/surface_point.h"
+
+namespace sheen {
+namespace {
+
+// By clipping to it and rounding to 255 steps, over the texels with light of their own.
+double squaredError(const Lightmap& map, const Image<vec3>& light, double intensity) {
+    const double step = intensity / 255.0;
+    double sum = 0.0;
+    for (size_t i = 0; i < light.pixels.size(); ++i) {
+        for (int c = 0; c < 3 && map.receivers.seen(i); ++c) {
+            const double over = std::max(light.pixels[i][c] - intensity, 0.0);
+            sum += over * over + step * step / 12.0;
+        }
+    }
+    return sum;
+}
+
+double bestIntensity(const Lightmap& map, const Image<vec3>& light) {
+    constexpr int kSteps = 40;  // four to the factor 2
+    double most = 0.0;
+    for (size_t i = 0; i < light.pixels.size(); ++i) {
+        if (map.receivers.seen(i)) {
+            const vec3& c = light.pixels[i];
+            most = std::max<double>(most, std::max({c.x, c.y, c.z}));
+        }
+    }
+    double best = most, least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k <= kSteps && most > 0.0; ++k) {
+        const double intensity = most * std::exp2(-0.25 * k);
+        const double error = squaredError(map, light, intensity);
+        if (error < least) {
+            least = error;
+            best = intensity;
+        }
+    }
+    return best > 0.0 ? best : 1.0;
+}
+
+// Where a texel's point lies on its triangle.
+vec3 barycentricOf(const Scene& scene, uint32_t triangle, const vec3& p) {
+    const uvec3& t = scene.triangles[triangle];
+    const dvec3 a(scene.positions[t.x]);
+    const dvec3 ab = dvec3(scene.positions[t.y]) - a, ac = dvec3(scene.positions[t.z]) - a;
+    const dvec3 n = glm::cross(ab, ac), way = dvec3(p) - a;
+    const double v = glm::dot(glm::cross(way, ac), n) / glm::dot(n, n);
+    const double w = glm::dot(glm::cross(ab, way), n) / glm::dot(n, n);
+    return glm::clamp(vec3(1.0 - v - w, v, w), 0.0f, 1.0f);
+}
+
+}  // namespace
+
+EncodedLight encodeIrradiance(const Lightmap& map, const Image<vec3>& irradiance) {
+    const double intensity = bestIntensity(map, irradiance);
+    Image<vec3> scaled = irradiance;
+    for (vec3& c : scaled.pixels) {
+        c /= static_cast<float>(intensity);
+    }
+    return {pngBytes(bytesFromDisplay(scaled)), static_cast<float>(intensity)};
+}
+
+EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<vec3>& irradiance) {
+    const Receivers& receivers = map.receivers;
+    Image<vec3> radiance(irradiance.width, irradiance.height);
+    Image<float> alpha(irradiance.width, irradiance.height, 1.0f);
+    parallelFor(irradiance.height, [&](int y) {
+        for (int x = 0; x < irradiance.width; ++x) {
+            const size_t i = receivers.image.index(x, y);
+            if (!receivers.seen(i)) {
+                continue;
+            }
+            const uint32_t triangle = receivers.triangles[i];
+            const vec3 at = barycentricOf(scene, triangle, receivers.positions[i]);
+            const MaterialParams material = materialAt(scene, triangle, at);
+            const Brdf brdf = shared::makeBrdf(material, brdfAlbedo(1.0f, material.roughness));
+            const vec3 specular = specularAlbedo(1.0f, material.roughness, brdf.f0, brdf.f90);
+            radiance.pixels[i] =
+                (brdf.diffuse + specular) * irradiance.pixels[i] / kPi + material.emission;
+            alpha.pixels[i] = coverageAt(scene, triangle, at);
+        }
+    });
+    dilate(map, radiance);
+    const Image<Rgb8> colors = displayImage(radiance, std::nullopt, ToneCurve::kNone);
+    const bool opaque =
+        std::all_of(alpha.pixels.begin(), alpha.pixels.end(), [](float a) { return a == 1.0f; });
+    return {opaque ? pngBytes(colors) : pngBytes(colors, alpha), 1.0f};
+}
+
+}  // namespace sheen

@@ -1,0 +1,424 @@
+// Writing a file anew with a lightmap. Buffers are packed into one, images that lie beside the file
+// are taken into it; meshes that are shown more than once become several, and vertices at which
+// pieces of the atlas part become two.
+// Based on: the glTF 2.0 specification; MOZ_lightmap as Hubs and three.js read it.
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <tuple>
+
+#include "image/atomic_file.h"
+#include "scene/gltf_parts.h"
+#include "scene/lightmap_file.h"
+
+namespace sheen {
+namespace gltf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The document's array of that name, made where it is not.
+Json& arrayIn(Json& object, const char* key) {
+    Json& array = object[key];
+    if (!array.is_array()) {
+        array = Json::array();
+    }
+    return array;
+}
+
+// A triangle's corner: the primitive's vertex and its place in the atlas.
+using Corner = std::tuple<uint32_t, float, float>;
+
+class Writer {
+  public:
+    Writer(const Scene& scene, const LightmapFile& lightmap)
+        : scene_(scene),
+          lightmap_(lightmap),
+          file_{.path = lightmap.source, .model = {}, .notes = {}} {
+        parse(file_);
+        document_ = Json::parse(jsonOf(lightmap.source));
+    }
+
+    void write(const std::string& path) {
+        takeBuffers();
+        takeImages();
+        chooseSet();
+        const int texture = addTexture();
+        for (size_t i = 0; i < scene_.sources.size();) {
+            size_t end = i;
+            while (end < scene_.sources.size() &&
+                   scene_.sources[end].node == scene_.sources[i].node) {
+                ++end;
+            }
+            rewriteNode(i, end);
+            i = end;
+        }
+        for (const int material : used_materials_) {
+            setMaterial(arrayIn(document_, "materials")[static_cast<size_t>(material)], texture);
+        }
+        use(lightmap_.unlit ? "KHR_materials_unlit" : "MOZ_lightmap");
+        if (lightmap_.lights_baked) {
+            dropLights();
+        }
+        writeGlb(path);
+    }
+
+  private:
+    // Appends bytes as a view of their own; its index.
+    size_t addView(const void* data, size_t size) {
+        bytes_.resize((bytes_.size() + 7) / 8 * 8);
+        Json view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", size}};
+        const auto* first = static_cast<const unsigned char*>(data);
+        bytes_.insert(bytes_.end(), first, first + size);
+        Json& views = arrayIn(document_, "bufferViews");
+        views.push_back(std::move(view));
+        return views.size() - 1;
+    }
+
+    // Each view's bytes, decompressed, one after the other.
+    void takeBuffers() {
+        Json views = arrayIn(document_, "bufferViews");
+        document_["bufferViews"] = Json::array();
+        for (size_t i = 0; i < views.size(); ++i) {
+            const ByteSpan bytes = bufferViewBytes(file_, static_cast<int>(i), "bufferViews");
+            const size_t view = addView(bytes.data, bytes.size);
+            Json& own = document_["bufferViews"][view];
+            for (const auto& [key, value] : views[i].items()) {
+                if (!own.contains(key)) {
+                    own[key] = value;
+                }
+            }
+            for (const char* name : kCompressions) {
+                if (own.contains("extensions")) {
+                    own["extensions"].erase(name);
+                }
+            }
+        }
+        for (const char* name : kCompressions) {
+            forget(name);
+        }
+    }
+
+    void takeImages() {
+        Json& images = arrayIn(document_, "images");
+        for (size_t i = 0; i < images.size() && i < file_.images.size(); ++i) {
+            const FileBytes& content = file_.images[i].content;
+            if (file_.images[i].buffer_view >= 0 || content.bytes.empty()) {
+                continue;  // there already, or nowhere
+            }
+            static constexpr unsigned char kPng[] = {0x89, 'P', 'N', 'G'};
+            const bool png = content.bytes.size() > sizeof(kPng) &&
+                             std::memcmp(content.bytes.data(), kPng, sizeof(kPng)) == 0;
+            const size_t view = addView(content.bytes.data(), content.bytes.size());
+            images[i].erase("uri");
+            images[i]["bufferView"] = view;
+            if (!images[i].contains("mimeType")) {
+                images[i]["mimeType"] = png ? "image/png" : "image/jpeg";
+            }
+        }
+    }
+
+    // The second set of coordinates or, where materials have textures by that, the next one that no
+    // mesh has.
+    void chooseSet() {
+        bool second_is_used = false;
+        for (const Material& material : scene_.materials) {
+            for (const TextureUse& use : material.textures) {
+                second_is_used = second_is_used || (use.used() && use.uv_set > 0);
+            }
+            for (const TextureUse& use : {material.normal_texture, material.alpha_texture}) {
+                second_is_used = second_is_used || (use.used() && use.uv_set > 0);
+            }
+        }
+        set_ = 1;
+        if (!second_is_used || lightmap_.unlit) {
+            return;
+        }
+        for (const tinygltf::Mesh& mesh : file_.model.meshes) {
+            for (const tinygltf::Primitive& primitive : mesh.primitives) {
+                while (primitive.attributes.count(setName()) > 0) {
+                    ++set_;
+                }
+            }
+        }
+    }
+    std::string setName() const { return fmt::format("TEXCOORD_{}", set_); }
+
+    int addTexture() {
+        constexpr int kLinear = 9729, kClampToEdge = 33071;
+        const size_t view = addView(lightmap_.png.data(), lightmap_.png.size());
+        Json& images = arrayIn(document_, "images");
+        images.push_back({{"name", "lightmap"}, {"bufferView", view}, {"mimeType", "image/png"}});
+        Json& samplers = arrayIn(document_, "samplers");
+        samplers.push_back({{"magFilter", kLinear},
+                            {"minFilter", kLinear},
+                            {"wrapS", kClampToEdge},
+                            {"wrapT", kClampToEdge}});
+        Json& textures = arrayIn(document_, "textures");
+        textures.push_back({{"name", "lightmap"},
+                            {"sampler", samplers.size() - 1},
+                            {"source", images.size() - 1}});
+        return static_cast<int>(textures.size()) - 1;
+    }
+
+    // The mesh of a node whose triangles are those of sources first to end.
+    void rewriteNode(size_t first, size_t end) {
+        const auto node = static_cast<size_t>(scene_.sources[first].node);
+        const std::string where = label("node", node, file_.model.nodes[node].name);
+        if (scene_.sources[end - 1].instance > 0) {
+            file_.fail(where,
+                       "EXT_mesh_gpu_instancing: instances share their coordinates and can have no "
+                       "lightmap; export them as nodes");
+        }
+        Json& meshes = document_["meshes"];
+        const auto own = static_cast<size_t>(file_.model.nodes[node].mesh);
+        Json mesh = meshes[own];
+        for (size_t i = first; i < end; ++i) {
+            const Scene::Source& source = scene_.sources[i];
+            const size_t last = i + 1 < scene_.sources.size() ? scene_.sources[i + 1].first_triangle
+                                                              : scene_.triangles.size();
+            rewritePrimitive(mesh["primitives"][static_cast<size_t>(source.primitive)],
+                             source.first_triangle, last, where);
+        }
+        const auto& nodes = file_.model.nodes;
+        const auto shows = [&](const tinygltf::Node& n) { return n.mesh == static_cast<int>(own); };
+        if (std::count_if(nodes.begin(), nodes.end(), shows) == 1) {
+            meshes[own] = std::move(mesh);
+            return;
+        }
+        document_["nodes"][node]["mesh"] = meshes.size();
+        meshes.push_back(std::move(mesh));
+    }
+
+    void rewritePrimitive(Json& primitive, size_t first, size_t end, const std::string& where) {
+        std::map<Corner, uint32_t> vertex_of;
+        std::vector<uint32_t> sources, indices;
+        std::vector<float> coordinates;
+        for (size_t i = first; i < end; ++i) {
+            const uvec4& corners = scene_.source_corners[i];
+            for (const int c : {0, corners.w != 0 ? 2 : 1, corners.w != 0 ? 1 : 2}) {
+                const vec2& uv = lightmap_.corners[i][static_cast<size_t>(c)];
+                const auto [found, is_new] = vertex_of.emplace(
+                    Corner(corners[c], uv.x, uv.y), static_cast<uint32_t>(sources.size()));
+                if (is_new) {
+                    sources.push_back(corners[c]);
+                    coordinates.insert(coordinates.end(), {uv.x, uv.y});
+                }
+                indices.push_back(found->second);
+            }
+        }
+        if (indices.empty()) {
+            return;  // all of it was left out
+        }
+        Json& attributes = primitive["attributes"];
+        if (lightmap_.unlit) {
+            attributes.erase("COLOR_0");
+        }
+        for (auto& [name, accessor] : attributes.items()) {
+            accessor = addGathered(accessor.get<int>(), sources, where);
+        }
+        for (Json& target : arrayIn(primitive, "targets")) {
+            for (auto& [name, accessor] : target.items()) {
+                accessor = addGathered(accessor.get<int>(), sources, where);
+            }
+        }
+        if (primitive["targets"].empty()) {
+            primitive.erase("targets");
+        }
+        attributes[setName()] = addAccessor(coordinates.data(), 2 * sizeof(float), sources.size(),
+                                            TINYGLTF_COMPONENT_TYPE_FLOAT, "VEC2");
+        primitive["indices"] = addAccessor(indices.data(), sizeof(uint32_t), indices.size(),
+                                           TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, "SCALAR");
+        primitive.erase("mode");
+        if (!primitive.contains("material")) {
+            primitive["material"] = defaultMaterial();
+        }
+        used_materials_.insert(primitive["material"].get<int>());
+    }
+
+    int defaultMaterial() {
+        if (default_material_ < 0) {
+            Json& materials = arrayIn(document_, "materials");
+            default_material_ = static_cast<int>(materials.size());
+            materials.push_back({{"name", "default"}});
+        }
+        return default_material_;
+    }
+
+    size_t addAccessor(const void* data, size_t element_size, size_t count, int component_type,
+                       const char* type) {
+        const size_t view = addView(data, element_size * count);
+        Json& accessors = arrayIn(document_, "accessors");
+        accessors.push_back({{"bufferView", view},
+                             {"componentType", component_type},
+                             {"count", count},
+                             {"type", type}});
+        return accessors.size() - 1;
+    }
+
+    // An accessor of the elements of another one, in that order.
+    size_t addGathered(int accessor, const std::vector<uint32_t>& elements,
+                       const std::string& where) {
+        const std::vector<double> numbers = readNumbers(file_, accessor, where);
+        const auto components = static_cast<size_t>(accessorComponents(file_, accessor, where));
+        const int type = file_.model.accessors[static_cast<size_t>(accessor)].componentType;
+        const auto size =
+            static_cast<size_t>(tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(type)));
+        // Elements of vertices begin at multiples of four.
+        const size_t stride = (size * components + 3) / 4 * 4;
+        std::vector<unsigned char> bytes(stride * elements.size());
+        std::vector<double> least(components, std::numeric_limits<double>::infinity());
+        std::vector<double> most(components, -std::numeric_limits<double>::infinity());
+        for (size_t i = 0; i < elements.size(); ++i) {
+            for (size_t c = 0; c < components; ++c) {
+                const double value = numbers.at(elements[i] * components + c);
+                least[c] = std::min(least[c], value);
+                most[c] = std::max(most[c], value);
+                store(value, type, &bytes[i * stride + c * size]);
+            }
+        }
+        const Json old = document_["accessors"][static_cast<size_t>(accessor)];
+        const size_t result = addAccessor(bytes.data(), stride, elements.size(), type,
+                                          old["type"].get<std::string>().c_str());
+        Json& own = document_["accessors"][result];
+        document_["bufferViews"].back()["byteStride"] = stride;
+        if (old.contains("normalized")) {
+            own["normalized"] = old["normalized"];
+        }
+        if (old.contains("min")) {
+            own["min"] = least;
+            own["max"] = most;
+        }
+        return result;
+    }
+    static void store(double value, int type, unsigned char* to) {
+        const auto as = [&](auto number) {
+            number = static_cast<decltype(number)>(value);
+            std::memcpy(to, &number, sizeof(number));
+        };
+        switch (type) {
+            case TINYGLTF_COMPONENT_TYPE_BYTE:
+                return as(int8_t{});
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+                return as(uint8_t{});
+            case TINYGLTF_COMPONENT_TYPE_SHORT:
+                return as(int16_t{});
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+                return as(uint16_t{});
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+                return as(uint32_t{});
+            default:
+                return as(float{});
+        }
+    }
+
+    void setMaterial(Json& material, int texture) {
+        const Json use = {{"index", texture}, {"texCoord", set_}};
+        if (!lightmap_.unlit) {
+            Json extension = use;
+            extension["intensity"] = lightmap_.intensity;
+            material["extensions"]["MOZ_lightmap"] = std::move(extension);
+            return;
+        }
+        for (const char* name :
+             {"emissiveTexture", "emissiveFactor", "normalTexture", "occlusionTexture"}) {
+            material.erase(name);
+        }
+        material["extensions"] = {{"KHR_materials_unlit", Json::object()}};
+        material["pbrMetallicRoughness"] = {
+            {"baseColorTexture", use}, {"metallicFactor", 0}, {"roughnessFactor", 1}};
+    }
+
+    void dropLights() {
+        for (Json& node : arrayIn(document_, "nodes")) {
+            dropExtension(node, "KHR_lights_punctual");
+        }
+        dropExtension(document_, "KHR_lights_punctual");
+        forget("KHR_lights_punctual");
+    }
+    static void dropExtension(Json& object, const char* name) {
+        if (object.contains("extensions")) {
+            object["extensions"].erase(name);
+            if (object["extensions"].empty()) {
+                object.erase("extensions");
+            }
+        }
+    }
+
+    void use(const char* extension) {
+        Json& used = arrayIn(document_, "extensionsUsed");
+        if (std::find(used.begin(), used.end(), extension) == used.end()) {
+            used.push_back(extension);
+        }
+    }
+    void forget(const char* extension) {
+        for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+            if (!document_.contains(list)) {
+                continue;
+            }
+            Json& names = document_[list];
+            names.erase(std::remove(names.begin(), names.end(), extension), names.end());
+            if (names.empty()) {
+                document_.erase(list);
+            }
+        }
+    }
+
+    void writeGlb(const std::string& path) {
+        constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJson = 0x4e4f534a, kBin = 0x004e4942;
+        bytes_.resize((bytes_.size() + 3) / 4 * 4);
+        document_["buffers"] = Json::array({{{"byteLength", bytes_.size()}}});
+        std::string text = document_.dump();
+        text.resize((text.size() + 3) / 4 * 4, ' ');
+        constexpr uint64_t kHeaders = 12 + 8 + 8;
+        const uint64_t size = kHeaders + text.size() + bytes_.size();
+        if (size > std::numeric_limits<uint32_t>::max()) {
+            throwInput(
+                "{}: with a lightmap it has more than 4 GiB, which .glb cannot hold; split "
+                "the scene",
+                lightmap_.source);
+        }
+        AtomicFile out(path);
+        const auto word = [&](uint64_t value) {
+            for (int i = 0; i < 4; ++i) {
+                const auto byte = static_cast<char>(value >> (8 * i) & 0xff);
+                out.write(&byte, 1);
+            }
+        };
+        for (const uint64_t value :
+             {uint64_t{kMagic}, uint64_t{kVersion}, size, uint64_t{text.size()}, uint64_t{kJson}}) {
+            word(value);
+        }
+        out.write(text);
+        word(bytes_.size());
+        word(kBin);
+        out.write(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
+        out.commit();
+    }
+
+    static constexpr const char* kCompressions[] = {"EXT_meshopt_compression",
+                                                    "KHR_meshopt_compression"};
+
+    const Scene& scene_;
+    const LightmapFile& lightmap_;
+    File file_;
+    Json document_;
+    std::vector<unsigned char> bytes_;
+    int set_ = 1;
+    int default_material_ = -1;
+    std::set<int> used_materials_;
+};
+
+}  // namespace
+}  // namespace gltf
+
+void writeLightmapped(const std::string& path, const Scene& scene, const LightmapFile& lightmap) {
+    SHEEN_CHECK_EQ(scene.source_corners.size(), scene.triangles.size());
+    SHEEN_CHECK_EQ(lightmap.corners.size(), scene.triangles.size());
+    gltf::Writer(scene, lightmap).write(path);
+}
+
+}  // namespace sheen

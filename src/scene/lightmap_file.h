@@ -1,0 +1,30 @@
+// A scene's file with a lightmap in it: what it held before, each mesh with the coordinates of its
+// triangles in the atlas.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace sheen {
+
+struct LightmapFile {
+    std::string source;                        ///< the file that the scene was loaded from
+    std::vector<std::array<vec2, 3>> corners;  ///< [triangle], in the unit square from the top left
+    std::string png;                           ///< the image's bytes
+    /// What the image is: linear irradiance, of which 1 stands for `intensity` (MOZ_lightmap), or
+    /// colours that are shown as they are, instead of all that materials had (unlit).
+    bool unlit = false;
+    float intensity = 1.0f;
+    /// Whether the punctual lights are in the image, so that the file has to do without.
+    bool lights_baked = false;
+};
+
+/// Writes a .glb file, which appears whole or not at all. `scene` was loaded by
+/// LoadParams::sources. Input error where something cannot be taken over: instances, which have no
+/// coordinates of their own. Environment error where the file cannot be written.
+void writeLightmapped(const std::string& path, const Scene& scene, const LightmapFile& lightmap);
+
+}  // namespace sheen
