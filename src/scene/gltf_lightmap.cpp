@@ -18,7 +18,7 @@ namespace sheen {
 namespace gltf {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 // The document's array of that name, made where it is not.
 Json& arrayIn(Json& object, const char* key) {
