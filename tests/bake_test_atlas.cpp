@@ -1,0 +1,184 @@
+// Where triangles lie in a lightmap: the file's coordinates and charts.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "bake/charts.h"
+#include "test_bake.h"
+
+namespace sheen {
+namespace {
+
+// Two quads with coordinates of their own.
+Scene twoQuads(const std::vector<vec2>& uvs) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    addQuad(scene, vec3(0), vec3(1, 0, 0), vec3(0, 0, -1), white);
+    addQuad(scene, vec3(3, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1), white);
+    scene.second_uvs = uvs;
+    return scene;
+}
+std::vector<vec2> square(const vec2& lower, const vec2& upper) {
+    return {lower, {upper.x, lower.y}, upper, {lower.x, upper.y}};
+}
+std::vector<vec2> both(std::vector<vec2> a, const std::vector<vec2>& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+TEST(Atlas, takesCoordinatesThatWillDo) {
+    const Scene scene = twoQuads(both(square({0, 0}, {0.5f, 1}), square({0.5f, 0}, {1, 1})));
+    std::string why;
+    const Atlas atlas = atlasOfFile(scene, {.size = 16}, why);
+    EXPECT_EQ(why, "");
+    EXPECT_TRUE(atlas.of_file);
+    EXPECT_EQ(atlas.charts, 2);
+    EXPECT_EQ(atlas.corners[0][1], vec2(8, 0));
+}
+
+TEST(Atlas, refusesOverlap) {
+    const Scene scene = twoQuads(both(square({0, 0}, {0.6f, 1}), square({0.4f, 0}, {1, 1})));
+    std::string why;
+    EXPECT_TRUE(atlasOfFile(scene, {.size = 16}, why).corners.empty());
+    EXPECT_NE(why.find("lie over each other"), std::string::npos) << why;
+}
+
+TEST(Atlas, refusesCoordinatesOutsideOfTheSquare) {
+    const Scene scene = twoQuads(both(square({0, 0}, {0.5f, 1}), square({0.6f, 0}, {1.2f, 1})));
+    std::string why;
+    EXPECT_TRUE(atlasOfFile(scene, {.size = 16}, why).corners.empty());
+    EXPECT_NE(why.find("out of the unit square"), std::string::npos) << why;
+}
+
+TEST(Atlas, refusesTrianglesWithoutAreaAndFilesWithoutCoordinates) {
+    std::string why;
+    const Scene flat = twoQuads(both(square({0, 0}, {0.5f, 1}), square({0.6f, 0}, {0.6f, 1})));
+    EXPECT_TRUE(atlasOfFile(flat, {.size = 16}, why).corners.empty());
+    EXPECT_NE(why.find("no area"), std::string::npos) << why;
+    EXPECT_TRUE(atlasOfFile(twoQuads({}), {.size = 16}, why).corners.empty());
+    EXPECT_NE(why.find("none"), std::string::npos) << why;
+    EXPECT_FALSE(atlasOf(twoQuads({}), {.size = 16}).of_file);
+}
+
+TEST(Atlas, saysHowManyTexelsWouldDo) {
+    const Scene scene = twoQuads({});
+    try {
+        makeAtlas(scene, {.size = 16, .texels_per_metre = 100.0f});
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kUsage);
+        EXPECT_NE(std::string(error.what()).find("ask for at most"), std::string::npos);
+    }
+    EXPECT_THROW(makeAtlas(scene, {.texels_per_metre = 1e5f}), Error);
+    Scene many;
+    for (int i = 0; i < 100; ++i) {
+        addQuad(many, vec3(2.0f * static_cast<float>(i), 0, 0), vec3(1, 0, 0), vec3(0, 0, -1), 0);
+    }
+    addMaterial(many, diffuseParams(vec3(0.5f)));
+    EXPECT_THROW(makeAtlas(many, {.size = 16}), Error);
+    EXPECT_THROW(atlasOf(Scene{}, {.size = 16}), Error);
+}
+
+TEST(Atlas, densityIsWhatWasAskedFor) {
+    const Scene scene = twoQuads({});
+    const Atlas atlas = makeAtlas(scene, {.texels_per_metre = 10.0f});
+    EXPECT_EQ(atlas.size, 64);
+    for (const auto& corners : atlas.corners) {
+        EXPECT_NEAR(std::abs(doubleArea(corners)), 100.0, 1e-3);
+    }
+}
+
+// Charts hold every triangle once, at its own size and shape, no two over each other.
+TEST(Atlas, chartsTakeEveryTriangleOnce) {
+    Scene scene = cornellRoom(diffuseParams(vec3(0.5f)), diffuseParams(vec3(0.5f)));
+    std::vector<int> times(scene.triangles.size());
+    for (const Chart& chart : makeCharts(scene)) {
+        for (const uint32_t i : chart.triangles) {
+            ++times[i];
+        }
+        for (const auto& corners : chart.corners) {
+            for (const glm::dvec2& p : corners) {
+                EXPECT_GT(p.x, -1e-6);
+                EXPECT_GT(p.y, -1e-6);
+                EXPECT_LT(p.x, chart.extent.x + 1e-6);
+                EXPECT_LT(p.y, chart.extent.y + 1e-6);
+            }
+        }
+    }
+    EXPECT_EQ(std::count(times.begin(), times.end(), 1), static_cast<long>(times.size()));
+    // No two over each other: the atlas would do as a file's own.
+    const Atlas atlas = makeAtlas(scene, {.size = 128});
+    Scene unrolled = scene;
+    unrolled.positions.clear();
+    unrolled.normals.clear();
+    unrolled.uvs.clear();
+    unrolled.triangles.clear();
+    for (size_t i = 0; i < scene.triangles.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            const uint32_t v = scene.triangles[i][c];
+            addVertex(unrolled, scene.positions[v], scene.normals[v]);
+            unrolled.second_uvs.push_back(atlas.corners[i][static_cast<size_t>(c)] / 128.0f);
+        }
+        const auto first = static_cast<uint32_t>(3 * i);
+        unrolled.triangles.emplace_back(first, first + 1, first + 2);
+    }
+    std::string why;
+    const Atlas again = atlasOfFile(unrolled, {.size = 512}, why);
+    EXPECT_EQ(why, "");
+    EXPECT_EQ(again.charts, atlas.charts);
+}
+
+// A strip that winds up: as seen from above it lies over itself.
+TEST(Atlas, aWindingStairIsCutWhereItWouldLieOverItself) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    constexpr int kSteps = 48;  // two turns
+    std::vector<uint32_t> rim;
+    for (int i = 0; i <= kSteps; ++i) {
+        const float phi = 2.0f * kPi * static_cast<float>(i) / (kSteps / 2);
+        const float y = 0.02f * static_cast<float>(i);
+        for (const float r : {1.0f, 2.0f}) {
+            rim.push_back(
+                addVertex(scene, vec3(r * std::cos(phi), y, -r * std::sin(phi)), vec3(0, 1, 0)));
+        }
+    }
+    for (size_t i = 0; i + 2 < rim.size(); i += 2) {
+        scene.triangles.emplace_back(rim[i], rim[i + 1], rim[i + 3]);
+        scene.triangles.emplace_back(rim[i], rim[i + 3], rim[i + 2]);
+        scene.materials_of.insert(scene.materials_of.end(), 2, white);
+    }
+    const std::vector<Chart> charts = makeCharts(scene);
+    EXPECT_GE(charts.size(), 2u);
+    EXPECT_LE(charts.size(), 6u);
+}
+
+TEST(Lightmap, everyTexelThatATriangleTouchesLiesOnIt) {
+    const Scene scene = cornellRoom(diffuseParams(vec3(0.5f)), diffuseParams(vec3(0.5f)));
+    const Bench bench(scene, 64);
+    const int size = bench.map.atlas.size;
+    Random random(1);
+    // Wherever a triangle is looked up, there is a texel of its chart.
+    for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+        for (int k = 0; k < 20; ++k) {
+            const float u = random.uniform(0, 1), v = random.uniform(0, 1 - u);
+            const auto& c = bench.map.atlas.corners[t];
+            const vec2 p = (1 - u - v) * c[0] + u * c[1] + v * c[2];
+            const ivec2 texel = glm::clamp(ivec2(glm::floor(p)), ivec2(0), ivec2(size - 1));
+            const vec2 within = glm::fract(p);
+            if (std::min({within.x, within.y, 1 - within.x, 1 - within.y}) < 0.01f) {
+                continue;
+            }
+            const uint32_t own = bench.map.triangles.at(texel.x, texel.y);
+            ASSERT_NE(own, kNoPrimitive);
+            EXPECT_EQ(bench.map.atlas.chart_of[own], bench.map.atlas.chart_of[t]);
+        }
+    }
+    bench.forSeen([&](size_t i) {
+        const Receivers& r = bench.map.receivers;
+        EXPECT_LT(distanceToTriangle(scene, r.triangles[i], r.positions[i]), 1e-6f);
+        EXPECT_NEAR(glm::length(r.normals[i]), 1.0f, 1e-5f);
+    });
+}
+
+}  // namespace
+}  // namespace sheen
