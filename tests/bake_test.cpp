@@ -1,6 +1,7 @@
 // What is baked, against closed forms and the reference.
 #include <gtest/gtest.h>
 
+#include "bake/seams.h"
 #include "core/parallel.h"
 #include "metrics/compare.h"
 #include "test_bake.h"
@@ -109,6 +110,32 @@ TEST(Bake, recordsAgreeWithPathTracedTexels) {
         compare(baked.frame.direct, traced.frame.direct, traced.frame.direct_variance);
     EXPECT_LT(direct.rel_rmse, 1e-4);
     EXPECT_EQ(indirect.compared, bench.map.covered - bench.map.buried);
+}
+
+// A floor of two objects that touch, and one of two pieces that charts of their own cover.
+TEST(Bake, lightGoesOnAcrossTheBordersOfCharts) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.6f)));
+    addQuad(scene, vec3(-1, 0, 1), vec3(1, 0, 0), vec3(0, 0, -2), white);
+    addQuad(scene, vec3(0, 0, 1), vec3(1, 0, 0), vec3(0, 0, -2), white);
+    addQuad(scene, vec3(-1, 0, -1), vec3(2, 0, 0), vec3(0, 1, 0), white);
+    scene.second_uvs = {{0.02f, 0.02f}, {0.3f, 0.02f}, {0.3f, 0.6f},  {0.02f, 0.6f},
+                        {0.4f, 0.02f},  {0.7f, 0.02f}, {0.7f, 0.6f},  {0.4f, 0.6f},
+                        {0.02f, 0.7f},  {0.6f, 0.7f},  {0.6f, 0.98f}, {0.02f, 0.98f}};
+    scene.lights.push_back(pointLight(vec3(0.3f, 0.8f, -0.4f), vec3(3.0f)));
+    const Bench bench(scene, 64);
+    EXPECT_TRUE(bench.map.atlas.of_file);
+    const Seams seams = seamsOf(bench.map, bench.bake().frame.indirect);
+    EXPECT_GT(seams.texels, 40);
+    EXPECT_GT(seams.within, 0.0);
+    EXPECT_LT(seams.across, 1.5 * seams.within);
+    // What does not agree is found.
+    Image<vec3> wrong(64, 64);
+    bench.forSeen([&](size_t i) {
+        wrong.pixels[i] = vec3(bench.map.receivers.triangles[i] < 2 ? 1.0f : 2.0f);
+    });
+    EXPECT_GT(seamsOf(bench.map, wrong).across, 0.5);
+    EXPECT_EQ(seamsOf(bench.map, wrong).within, 0.0);
 }
 
 TEST(Bake, theNumberOfThreadsChangesNoBit) {

@@ -6,13 +6,11 @@
 
 #include "bake/dilate.h"
 #include "cache/fill.h"
-#include "core/parallel.h"
 #include "core/progress.h"
 #include "core/timer.h"
 #include "gather/ray_gather.h"
-#include "light/lamp_light.h"
+#include "light/direct.h"
 #include "light/place_elements.h"
-#include "light/punctual.h"
 #include "light/scattered_again.h"
 #include "reference/reference.h"
 #include "render/gather_road.h"
@@ -28,47 +26,21 @@ Scatterer whiteAt(const Receivers& receivers, size_t i) {
 }
 
 // What arrives straight from lights and lamps.
-Image<vec3> directIrradiance(const Tracer& tracer, const LampSampler& lamps,
+Image<vec3> directIrradiance(const Tracer& tracer, const SceneLights& lights,
                              const Receivers& receivers) {
-    constexpr size_t kPacket = Tracer::kPacket;
-    const Scene& scene = tracer.scene();
     const PixelGrid& grid = receivers.image;
-    Image<vec3> direct(grid.width, grid.height);
-    parallelFor(grid.height, [&](int y) {
-        size_t texels[kPacket];
-        SurfaceSide points[kPacket];
-        for (int x = 0; x < grid.width;) {
-            size_t count = 0;
-            for (; x < grid.width && count < kPacket; ++x) {
-                const size_t i = grid.index(x, y);
-                if (receivers.seen(i)) {
-                    texels[count] = i;
-                    points[count++] = receivers.sideAt(scene, i);
-                }
-            }
-            for (const PunctualLight& light : scene.lights) {
-                const Tracer::Shares shares = reaching(tracer, light, {points, count});
-                for (size_t k = 0; k < count; ++k) {
-                    const LightSample sample = shared::sampleLight(light, points[k].position);
-                    const float NoL = glm::dot(receivers.normals[texels[k]], sample.wi);
-                    direct.pixels[texels[k]] += shares[k] * std::max(NoL, 0.0f) * sample.irradiance;
-                }
-            }
-        }
-    });
-    if (lamps.empty()) {
-        return direct;
-    }
-    const Image<vec3> of_lamps = lampLight(
-        tracer, lamps, grid.width, grid.height, {}, [&](int x, int y) -> std::optional<LitPoint> {
-            const size_t i = grid.index(x, y);
-            if (!receivers.seen(i)) {
-                return std::nullopt;
-            }
-            return LitPoint{.side = receivers.sideAt(scene, i), .surface = whiteAt(receivers, i)};
-        });
-    for (size_t i = 0; i < direct.pixels.size(); ++i) {
-        direct.pixels[i] += kPi * of_lamps.pixels[i];
+    Image<vec3> direct =
+        traceDirect(tracer, lights, {grid.width, grid.height}, {},
+                    [&](int x, int y) -> std::optional<LitPoint> {
+                        const size_t i = grid.index(x, y);
+                        if (!receivers.seen(i)) {
+                            return std::nullopt;
+                        }
+                        return LitPoint{.side = receivers.sideAt(tracer.scene(), i),
+                                        .surface = whiteAt(receivers, i)};
+                    });
+    for (vec3& light : direct.pixels) {
+        light *= kPi;
     }
     return direct;
 }
@@ -134,18 +106,18 @@ void bakeByGather(const Tracer& tracer, const Lightmap& map, const BakeParams& p
                   Baked& baked) {
     const Scene& scene = tracer.scene();
     const Receivers& receivers = map.receivers;
-    const Timer lights;
-    const LampSampler lamps(tracer);
-    const ScatteredOnce once(tracer, &lamps, LightCells(tracer, {}));
+    const Timer made;
+    const SceneLights lights(tracer);
+    const ScatteredOnce once(tracer, &lights, std::vector<Bounds>{});
     std::optional<ScatteredAgain> again;
     if (params.bounces > 1) {
         again.emplace(once, placeElements(tracer, someOf(scene, receivers)), std::vector<Bounds>{},
                       params.bounces);
     }
-    baked.stats.seconds_lights = lights.seconds();
+    baked.stats.seconds_lights = made.seconds();
     if (!params.indirect_only) {
         const Timer direct;
-        baked.frame.direct = directIrradiance(tracer, lamps, receivers);
+        baked.frame.direct = directIrradiance(tracer, lights, receivers);
         baked.stats.seconds_direct = direct.seconds();
     }
     const OutgoingLight& outgoing = again ? static_cast<const OutgoingLight&>(*again) : once;

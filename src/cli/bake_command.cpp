@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bake/encode.h"
+#include "bake/seams.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/output.h"
@@ -78,8 +79,8 @@ void understand(BakeOptions& o) {
     }
 }
 
-Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, double load,
-              double total) {
+Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, const Seams& seams,
+              double load, double total) {
     const BakeStats& s = baked.stats;
     const bool paths = o.params.method == BakeMethod::kReference;
     Json json = {{"scene", o.scene},
@@ -90,7 +91,10 @@ Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, dou
                  {"own_coordinates", map.atlas.of_file},
                  {"texels_covered", map.covered},
                  {"texels_buried", map.buried},
-                 {"texels_pushed", map.pushed}};
+                 {"texels_pushed", map.pushed},
+                 {"texels_at_seams", seams.texels},
+                 {"change_across_seams", seams.across},
+                 {"change_within_charts", seams.within}};
     if (paths) {
         json["spp"] = o.params.spp;
     } else {
@@ -110,7 +114,8 @@ Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, dou
     return json;
 }
 
-void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, double total) {
+void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, const Seams& seams,
+               double total) {
     fmt::print("atlas       {} x {} texels, {} charts, {}\n", map.atlas.size, map.atlas.size,
                map.atlas.charts,
                map.atlas.of_file ? "by the file's coordinates" : "made for this scene");
@@ -121,6 +126,11 @@ void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, do
     } else {
         fmt::print("records     {}: {:.2f}% of the texels\n", baked.stats.records,
                    100.0 * baked.stats.records / std::max(1, map.covered - map.buried));
+    }
+    if (seams.texels > 0) {
+        fmt::print(
+            "seams       {} texels; light changes across by {:.3g}, within charts by {:.3g}\n",
+            seams.texels, seams.across, seams.within);
     }
     const BakeStats& s = baked.stats;
     fmt::print(
@@ -191,9 +201,10 @@ ExitCode runBake(BakeOptions& o) {
                          baked.stats.uncovered));
     }
     const double seconds = total.seconds();
-    writeJson(o.json, bakeJson(o, map, baked, load_seconds, seconds));
+    const Seams seams = seamsOf(map, beauty(baked.frame));
+    writeJson(o.json, bakeJson(o, map, baked, seams, load_seconds, seconds));
     if (wantsText(o.json)) {
-        printBake(o, map, baked, seconds);
+        printBake(o, map, baked, seams, seconds);
     }
     return ExitCode::kDone;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/parallel.h"
-#include "light/lamp_light.h"
 #include "light/punctual.h"
 #include "rays/surface_point.h"
 
@@ -47,66 +46,67 @@ vec3 manyLights(const Tracer& tracer, const ManyLights& lights, const LitPoint& 
 
 }  // namespace
 
-Image<vec3> traceDirect(const Tracer& tracer, const SceneLights& lights, const GBuffer& gbuffer,
-                        std::span<const uint32_t> rows_of) {
+Image<vec3> traceDirect(const Tracer& tracer, const SceneLights& lights, const ivec2& size,
+                        std::span<const uint32_t> rows_of, const PointAt& pointAt) {
     constexpr int kPacket = Tracer::kPacket;
-    const Scene& scene = tracer.scene();
-    const PixelGrid& image = gbuffer.image;
     const size_t parts = rows_of.empty() ? ManyLights::kParts : kSampleParts;
-    Image<vec3> direct(image.width, image.height);
-    parallelFor(image.height, [&](int y) {
-        size_t pixels[kPacket];
-        SurfaceSide points[kPacket];
+    Image<vec3> direct(size.x, size.y);
+    parallelFor(size.y, [&](int y) {
+        int columns[kPacket];
+        LitPoint points[kPacket];
+        SurfaceSide sides[kPacket];
         const uint32_t row =
             rows_of.empty() ? static_cast<uint32_t>(y) : rows_of[static_cast<size_t>(y)];
-        for (int x = 0; x < image.width;) {
-            // The row's next pixels that see something.
+        for (int x = 0; x < size.x;) {
+            // The row's next points.
             size_t count = 0;
-            for (; x < image.width && count < kPacket; ++x) {
-                const size_t i = image.index(x, y);
-                if (!gbuffer.seen(i)) {
-                    continue;
+            for (; x < size.x && count < kPacket; ++x) {
+                if (const std::optional<LitPoint> point = pointAt(x, y)) {
+                    columns[count] = x;
+                    points[count] = *point;
+                    sides[count++] = point->side;
                 }
-                pixels[count] = i;
-                points[count++] = gbuffer.sideAt(scene, i);
             }
             for (const PunctualLight& light : lights.punctual.each()) {
-                const Tracer::Shares shares = reaching(tracer, light, {points, count});
+                const Tracer::Shares shares = reaching(tracer, light, {sides, count});
                 for (size_t k = 0; k < count; ++k) {
                     if (shares[k] == 0.0f) {
                         continue;
                     }
-                    const size_t i = pixels[k];
-                    direct.pixels[i] +=
-                        shares[k] * scattered(scattererAt(gbuffer, i), points[k].toward_viewer,
-                                              shared::sampleLight(light, points[k].position));
+                    direct.at(columns[k], y) +=
+                        shares[k] * scattered(points[k].surface, sides[k].toward_viewer,
+                                              shared::sampleLight(light, sides[k].position));
                 }
             }
             for (size_t k = 0; k < count && !lights.punctual.empty(); ++k) {
-                const LitPoint point{.side = points[k], .surface = scattererAt(gbuffer, pixels[k])};
-                const auto column = static_cast<uint32_t>(pixels[k] - image.index(0, y));
-                direct.pixels[pixels[k]] +=
-                    manyLights(tracer, lights.punctual, point, parts,
-                               row * static_cast<uint32_t>(image.width) + column);
+                direct.at(columns[k], y) += manyLights(
+                    tracer, lights.punctual, points[k], parts,
+                    row * static_cast<uint32_t>(size.x) + static_cast<uint32_t>(columns[k]));
             }
         }
     });
     if (lights.lamps.empty()) {
         return direct;
     }
-    const auto pointAt = [&](int x, int y) -> std::optional<LitPoint> {
-        const size_t i = image.index(x, y);
-        if (!gbuffer.seen(i)) {
-            return std::nullopt;
-        }
-        return LitPoint{.side = gbuffer.sideAt(scene, i), .surface = scattererAt(gbuffer, i)};
-    };
-    const Image<vec3> of_lamps =
-        lampLight(tracer, lights.lamps, image.width, image.height, rows_of, pointAt);
+    const Image<vec3> of_lamps = lampLight(tracer, lights.lamps, size.x, size.y, rows_of, pointAt);
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
         direct.pixels[i] += of_lamps.pixels[i];
     }
     return direct;
+}
+
+Image<vec3> traceDirect(const Tracer& tracer, const SceneLights& lights, const GBuffer& gbuffer,
+                        std::span<const uint32_t> rows_of) {
+    const PixelGrid& image = gbuffer.image;
+    return traceDirect(tracer, lights, {image.width, image.height}, rows_of,
+                       [&](int x, int y) -> std::optional<LitPoint> {
+                           const size_t i = image.index(x, y);
+                           if (!gbuffer.seen(i)) {
+                               return std::nullopt;
+                           }
+                           return LitPoint{.side = gbuffer.sideAt(tracer.scene(), i),
+                                           .surface = scattererAt(gbuffer, i)};
+                       });
 }
 
 }  // namespace sheen

@@ -1,6 +1,11 @@
 // Direct light by rays.
 #pragma once
 
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "light/lamp_light.h"
 #include "light/scene_lights.h"
 #include "raster/gbuffer.h"
 #include "rays/tracer.h"
@@ -12,5 +17,10 @@ namespace sheen {
 /// lamps by samples (lampLight()). Black where nothing is seen. `rows_of`: as lampLight() has it.
 Image<vec3> traceDirect(const Tracer& tracer, const SceneLights& lights, const GBuffer& gbuffer,
                         std::span<const uint32_t> rows_of = {});
+
+/// The same of points of one's own, in rows of an image of that size; black where there is none.
+using PointAt = std::function<std::optional<LitPoint>(int x, int y)>;
+Image<vec3> traceDirect(const Tracer& tracer, const SceneLights& lights, const ivec2& size,
+                        std::span<const uint32_t> rows_of, const PointAt& pointAt);
 
 }  // namespace sheen
