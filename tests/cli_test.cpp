@@ -8,7 +8,7 @@ TEST_F(CliTest, versionAndHelp) {
     EXPECT_EQ(call("--version").code, 0);
     EXPECT_EQ(call("--version").out.rfind("sheen ", 0), 0u);
     for (const char* arguments :
-         {"--help", "render --help", "compare -h", "info --help", "chart --help"}) {
+         {"--help", "render --help", "compare -h", "info --help", "chart --help", "bake --help"}) {
         const Outcome run = call(arguments);
         EXPECT_EQ(run.code, 0) << arguments;
         EXPECT_NE(run.out.find("Usage: "), std::string::npos) << arguments;

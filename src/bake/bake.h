@@ -1,6 +1,6 @@
 // Baking: the irradiance of a lightmap's texels. Records lie on surfaces and serve texels of all
 // charts and objects around, so that these agree.
-// Based on: [Cas10] for records at few of the texels, [WRC88], [WH92].
+// Based on: [Cas11] for records at few of the texels, [WRC88], [WH92].
 #pragma once
 
 #include "bake/lightmap.h"

@@ -1,7 +1,8 @@
-// Charts: pieces of surface that can be laid flat. Based on: [SWGSH03], greedily from the largest
-// triangle on, by normals alone.
+// Charts: pieces of surface that can be laid flat, grown greedily from the largest triangle on, by
+// normals alone.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "scene/scene.h"
