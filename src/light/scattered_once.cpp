@@ -23,7 +23,7 @@ ScatteredOnce::ScatteredOnce(const Tracer& tracer, const SceneLights* lights,
     : ScatteredOnce(tracer, lights) {
     cells_.emplace(tracer, each(), near);
     if (choosing()) {
-        sampled_.emplace(scene(), near);
+        sampled_.emplace(tracer, near);
     }
 }
 
