@@ -19,7 +19,7 @@ Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
 }
 
 // Of many lights, for a sample of a pixel.
-constexpr size_t kSampleParts = ManyLights::kParts / 4;
+constexpr size_t kSampleParts = ManyLights::kParts / 8;
 
 vec3 manyLights(const Tracer& tracer, const ManyLights& lights, const LitPoint& point, size_t parts,
                 uint32_t seed) {
