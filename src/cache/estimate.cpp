@@ -10,7 +10,7 @@ namespace sheen {
 namespace {
 
 // A record's neighbours alone know less of the light at its place than the image does, where the
-// record serves too. Measured on cornell_diffuse and venus_glossy (docs/decisions.md).
+// record serves too. Measured on cornell_diffuse and venus_glossy (docs/decisions/estimate.md).
 constexpr double kCalibration = 0.79;
 // What the median record's error weighs beside what neighbours say of a record: as much as one of
 // them does from two thirds of its reach.

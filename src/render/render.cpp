@@ -284,7 +284,7 @@ void renderToTarget(const RenderParams& params, SceneState& state, ViewState& vi
                                              // and not quite as fine
     constexpr float kFinestFirst = 0.25f;    // a target may be out of reach
     // The error falls like this power of the accuracy, until what records do not cause is left:
-    // from the first pass on its power is then small (docs/decisions.md).
+    // from the first pass on its power is then small (docs/decisions/placement.md).
     constexpr double kUsualPower = 0.7;
     constexpr double kLeastPower = 0.25;
     constexpr float kTelling = 0.35f;    // over less of the first accuracy chance hides it
@@ -320,7 +320,7 @@ void renderInTime(const RenderParams& params, const Timer& timer, SceneState& st
     constexpr double kWorthwhile = 0.85;  // a smaller gain in accuracy does not show
     constexpr double kMargin = 0.85;      // of the time there is
     // The number of records, and the time of a pass, go with these powers of one over the accuracy
-    // (docs/decisions.md).
+    // (docs/decisions/placement.md).
     constexpr double kRecordsPower = 1.3;
     constexpr double kTimePower = 1.7;
     const StageSeconds& seconds = result.stats.seconds;
