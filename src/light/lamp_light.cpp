@@ -37,12 +37,13 @@ struct Sum {
     int count = 0;
     int hidden = 0;  // ways that were not free, to lamps within reach
     int free = 0;
+    bool large = false;  // lamps fill much of what the pixel's point sees
 };
 
 class PixelLamps {
   public:
     PixelLamps(const Tracer& tracer, const LampSampler& lamps, const LitPoint& point,
-               uint32_t pixel)
+               uint32_t pixel, Sum& sum)
         : tracer_(tracer),
           lamps_(lamps),
           point_(point),
@@ -52,13 +53,10 @@ class PixelLamps {
           wo_(glm::transpose(frame_) * point.side.toward_viewer) {
         const Brdf& brdf = point.surface.brdf;
         lobe_ = brdf.alpha < kWideLobe && luminance(brdf.f0) + brdf.f90 > 0.0f && wo_.z > 0.0f;
-        float angle = 0.0f;
-        for (uint32_t i = 0; i < kLookSamples; ++i) {
-            const vec3 u(randomPlace(pixel, 4 + 2 * i), randomPlace(pixel, 5 + 2 * i).x);
-            const auto s = lamps.sample(point.side, point.surface.n, u);
-            angle += s ? 1.0f / (s->density * kLookSamples) : 0.0f;
+        if (sum.count == 0) {
+            sum.large = fillMuch(pixel);
         }
-        large_ = angle > kLargeLamps;
+        large_ = sum.large;
     }
 
     // Adds samples first to first + count of the pixel's sequence.
@@ -84,6 +82,17 @@ class PixelLamps {
     }
 
   private:
+    // Whether lamps fill so much that directions by the cosine are followed, by a few looks.
+    bool fillMuch(uint32_t pixel) const {
+        float angle = 0.0f;
+        for (uint32_t i = 0; i < kLookSamples; ++i) {
+            const vec3 u(randomPlace(pixel, 4 + 2 * i), randomPlace(pixel, 5 + 2 * i).x);
+            const auto s = lamps_.sample(point_.side, point_.surface.n, u);
+            angle += s ? 1.0f / (s->density * kLookSamples) : 0.0f;
+        }
+        return angle > kLargeLamps;
+    }
+
     void addTowardLamps(int first, vec3* light, Sum& sum) const {
         Way ways[kPacket];
         bool tells[kPacket] = {};
@@ -209,9 +218,10 @@ Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width,
     const auto addTo = [&](int x, int y, int first, int count) {
         if (const std::optional<LitPoint> point = pointAt(x, y)) {
             const uint32_t row = image ? static_cast<uint32_t>(y) : rows_of[static_cast<size_t>(y)];
+            Sum& sum = sums.at(x, y);
             PixelLamps(tracer, lamps, *point,
-                       row * static_cast<uint32_t>(width) + static_cast<uint32_t>(x))
-                .add(first, count, sums.at(x, y));
+                       row * static_cast<uint32_t>(width) + static_cast<uint32_t>(x), sum)
+                .add(first, count, sum);
         }
     };
     const auto forEach = [&](const auto& body) {

@@ -114,8 +114,8 @@ float LampSampler::farthest(const Tracer& tracer, uint32_t triangle, const vec3&
     return distance;
 }
 
-LampSampler::LampSampler(const Tracer& tracer) : scene_(tracer.scene()) {
-    const auto count = static_cast<uint32_t>(scene_.triangleCount());
+LampSampler::LampSampler(const Tracer& tracer, bool wanted) : scene_(tracer.scene()) {
+    const auto count = wanted ? static_cast<uint32_t>(scene_.triangleCount()) : 0;
     for (uint32_t t = 0; t < count; ++t) {
         if (scene_.materials[scene_.materials_of[t]].emits() &&
             luminance(meanEmission(scene_, t)) > 0.0f) {

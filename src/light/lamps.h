@@ -15,8 +15,8 @@ namespace sheen {
 /// Safe to use from many threads. The scene must outlive them.
 class LampSampler {
   public:
-    /// All triangles of the tracer's scene that emit.
-    explicit LampSampler(const Tracer& tracer);
+    /// All triangles of the tracer's scene that emit; none where they are not `wanted`.
+    explicit LampSampler(const Tracer& tracer, bool wanted = true);
 
     bool empty() const { return tree_.empty(); }
     bool isLamp(uint32_t triangle) const { return entryOf(triangle) != kNone; }

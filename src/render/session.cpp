@@ -50,7 +50,7 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
       tracer(timed(seconds.gather, [&] { return Tracer(scene); })),
-      lamps(timed(seconds.gather, [&] { return LampSampler(tracer); })) {
+      lamps(timed(seconds.gather, [&] { return LampSampler(tracer, road == GatherRoad::kRays); })) {
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
