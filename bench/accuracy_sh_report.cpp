@@ -124,32 +124,8 @@ class Report {
         output.write("sh_negative.md", negative.text());
     }
 
-    void writePrediction(const Output& output) const {
-        std::string csv = "scene,alpha,view,order,predicted,measured\n";
-        // Correlation of logarithms.
-        double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
-        for (size_t s = 0; s < sums_.size(); ++s) {
-            for (int a = 0; a < kAlphaCount; ++a) {
-                for (int v = 0; v < kViewCount; ++v) {
-                    const LobePrediction prediction = predictLobeError(
-                        std::cos(glm::radians(kViewDegrees[v])), std::sqrt(kAlphas[a]));
-                    for (int order = kMinOrder; order <= shared::SH_MAX_ORDER; ++order) {
-                        const double p = prediction.truncated[order];
-                        const double m = sums_[s].relRmse(order, lobeIndex(a, v));
-                        csv += fmt::format("{},{},{},{},{},{}\n", scenes_[s]->name, kAlphas[a],
-                                           kViewDegrees[v], order, p, m);
-                        const double lx = std::log(p), ly = std::log(m);
-                        n += 1, x += lx, y += ly, xx += lx * lx, yy += ly * ly, xy += lx * ly;
-                    }
-                }
-            }
-        }
-        const double variance_x = xx / n - x / n * x / n;
-        const double variance_y = yy / n - y / n * y / n;
-        const double covariance = xy / n - x / n * y / n;
-        const double factor = (y - x) / n;
-        const double spread = std::sqrt(variance_x + variance_y - 2.0 * covariance);
-
+    // What the program predicts of the orders it chooses, and what these err by.
+    Table predictedOrders() const {
         Table table({"alpha", "auto", "predicted, worst view", "measured, worst view",
                      "least order within 2.5%"});
         for (int a = 0; a < kAlphaCount; ++a) {
@@ -178,10 +154,39 @@ class Report {
                        percent(worst(chosen)),
                        needed > shared::SH_MAX_ORDER ? "above 10" : std::to_string(needed)});
         }
+        return table;
+    }
+
+    void writePrediction(const Output& output) const {
+        std::string csv = "scene,alpha,view,order,predicted,measured\n";
+        // Correlation of logarithms.
+        double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
+        for (size_t s = 0; s < sums_.size(); ++s) {
+            for (int a = 0; a < kAlphaCount; ++a) {
+                for (int v = 0; v < kViewCount; ++v) {
+                    const LobePrediction prediction = predictLobeError(
+                        std::cos(glm::radians(kViewDegrees[v])), std::sqrt(kAlphas[a]));
+                    for (int order = kMinOrder; order <= shared::SH_MAX_ORDER; ++order) {
+                        const double p = prediction.truncated[order];
+                        const double m = sums_[s].relRmse(order, lobeIndex(a, v));
+                        csv += fmt::format("{},{},{},{},{},{}\n", scenes_[s]->name, kAlphas[a],
+                                           kViewDegrees[v], order, p, m);
+                        const double lx = std::log(p), ly = std::log(m);
+                        n += 1, x += lx, y += ly, xx += lx * lx, yy += ly * ly, xy += lx * ly;
+                    }
+                }
+            }
+        }
+        const double variance_x = xx / n - x / n * x / n;
+        const double variance_y = yy / n - y / n * y / n;
+        const double covariance = xy / n - x / n * y / n;
+        const double factor = (y - x) / n;
+        const double spread = std::sqrt(variance_x + variance_y - 2.0 * covariance);
+
         output.write("sh_prediction.csv", csv);
         output.write(
             "sh_prediction.md",
-            table.text() +
+            predictedOrders().text() +
                 fmt::format("\nOver all {} combinations of scene, alpha, view and order: "
                             "correlation of the logarithms {:.2f}; measured over predicted: "
                             "geometric mean {:.2f}, spread a factor of {:.2f} either way.\n",

@@ -22,6 +22,58 @@ constexpr float kLargestOfRay = 4.0f;
 // of it: its light varies by more than a quarter.
 constexpr float kNearEdges = 8.0f;
 
+// Of points on a triangle: which lights reach them, and which with all their light. [point]
+struct Reached {
+    std::vector<uint32_t> some, whole;
+};
+
+// `lit_from`: lights that shine on the triangle's front, `edge` the length of a cell's.
+Reached reachedAt(const Tracer& tracer, uint32_t index, const std::vector<vec2>& uvs,
+                  uint32_t lit_from, size_t light_count, float edge) {
+    const Scene& scene = tracer.scene();
+    const TriangleEdges triangle(scene, index);
+    const vec3 front = geometricNormal(scene, static_cast<int>(index));
+    Reached result{std::vector<uint32_t>(uvs.size()), std::vector<uint32_t>(uvs.size())};
+    for (size_t first = 0; first < uvs.size(); first += Tracer::kPacket) {
+        const size_t count = std::min<size_t>(Tracer::kPacket, uvs.size() - first);
+        SurfaceSide points[Tracer::kPacket];
+        for (size_t l = 0; l < light_count; ++l) {
+            const uint32_t light = uint32_t{1} << l;
+            for (size_t k = 0; k < count; ++k) {
+                const vec3 position = triangle.at(uvs[first + k]);
+                points[k] = {.position = position,
+                             .n_g = (lit_from & light) != 0 ? front : -front,
+                             .toward_viewer = vec3(0.0f),
+                             .offset = surfaceOffset(scene, index, position, front, edge)};
+            }
+            const Tracer::Shares shares = reaching(tracer, scene.lights[l], {points, count});
+            for (size_t k = 0; k < count; ++k) {
+                result.some[first + k] |= shares[k] > 0.0f ? light : 0u;
+                result.whole[first + k] |= shares[k] == 1.0f ? light : 0u;
+            }
+        }
+    }
+    return result;
+}
+
+// A light reaches all of a cell, or none of it, where its corners and its middle agree. So that no
+// shadow slips between them unseen, cells that touch one where they do not stay open too: by such a
+// corner's lights. [corner]
+std::vector<uint32_t> openCorners(const TriangleGrid& grid, const Reached& corners,
+                                  const Reached& middles) {
+    std::vector<uint32_t> open(corners.some.size());
+    grid.forEachCell([&](uint32_t cell, const uvec3& c, const vec2&) {
+        const uint32_t any =
+            corners.some[c.x] | corners.some[c.y] | corners.some[c.z] | middles.some[cell];
+        const uint32_t all =
+            corners.whole[c.x] & corners.whole[c.y] & corners.whole[c.z] & middles.whole[cell];
+        for (int k = 0; k < 3; ++k) {
+            open[c[k]] |= any & ~all;
+        }
+    });
+    return open;
+}
+
 }  // namespace
 
 struct LightCells::LitTriangle {
@@ -58,8 +110,7 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
     const TriangleGrid grid{n};
     const float edge = triangle.longestEdge() / static_cast<float>(n);
     const vec3 front = geometricNormal(scene, static_cast<int>(index));
-    const Material& material = scene.materials[scene.materials_of[index]];
-    const bool lambertian = isLambertian(material.params);
+    const bool lambertian = isLambertian(scene.materials[scene.materials_of[index]].params);
     const size_t light_count = std::min(scene.lights.size(), kOtherLights);
     const auto others =
         static_cast<uint16_t>(scene.lights.size() > kOtherLights ? bit(kOtherLights) : 0u);
@@ -71,47 +122,9 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
         facing[glm::dot(front, wi) > 0.0f ? 0 : 1] |= bit(l);
     }
 
-    // Which lights reach the cells' corners and middles, and which of them with all their light.
-    struct Reached {
-        std::vector<uint32_t> some, whole;
-    };
-    const auto reachedAt = [&](const std::vector<vec2>& uvs) {
-        Reached result{std::vector<uint32_t>(uvs.size()), std::vector<uint32_t>(uvs.size())};
-        for (size_t first = 0; first < uvs.size(); first += Tracer::kPacket) {
-            const size_t count = std::min<size_t>(Tracer::kPacket, uvs.size() - first);
-            SurfaceSide points[Tracer::kPacket];
-            for (size_t l = 0; l < light_count; ++l) {
-                for (size_t k = 0; k < count; ++k) {
-                    const vec3 position = triangle.at(uvs[first + k]);
-                    points[k] = {.position = position,
-                                 .n_g = (facing[0] & bit(l)) != 0 ? front : -front,
-                                 .toward_viewer = vec3(0.0f),
-                                 .offset = surfaceOffset(scene, index, position, front, edge)};
-                }
-                const Tracer::Shares shares = reaching(tracer, scene.lights[l], {points, count});
-                for (size_t k = 0; k < count; ++k) {
-                    result.some[first + k] |= shares[k] > 0.0f ? bit(l) : 0u;
-                    result.whole[first + k] |= shares[k] == 1.0f ? bit(l) : 0u;
-                }
-            }
-        }
-        return result;
-    };
-    const Reached corners = reachedAt(grid.corners());
-    const Reached middles = reachedAt(grid.middles());
-
-    // A light reaches all of a cell, or none of it, where its corners and its middle agree. So that
-    // no shadow slips between them unseen, cells that touch one where they do not stay open too.
-    std::vector<uint32_t> open(corners.some.size());
-    grid.forEachCell([&](uint32_t cell, const uvec3& c, const vec2&) {
-        const uint32_t any =
-            corners.some[c.x] | corners.some[c.y] | corners.some[c.z] | middles.some[cell];
-        const uint32_t all =
-            corners.whole[c.x] & corners.whole[c.y] & corners.whole[c.z] & middles.whole[cell];
-        for (int k = 0; k < 3; ++k) {
-            open[c[k]] |= any & ~all;
-        }
-    });
+    const Reached corners = reachedAt(tracer, index, grid.corners(), facing[0], light_count, edge);
+    const Reached middles = reachedAt(tracer, index, grid.middles(), facing[0], light_count, edge);
+    const std::vector<uint32_t> open = openCorners(grid, corners, middles);
 
     LitTriangle result;
     for (int side = 0; side < 2; ++side) {
@@ -123,7 +136,7 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
         }
         cells.assign(grid.cellCount(), unlit);
         result.sides[side].n = n;
-        result.sides[side].area = triangle.area() / static_cast<float>(grid.cellCount());
+        result.sides[side].area = triangle.area() / static_cast<float>(cells.size());
         const vec3 n_g = side == 0 ? front : -front;
         grid.forEachCell([&](uint32_t i, const uvec3& c, const vec2& uv) {
             const uint32_t trace = (open[c.x] | open[c.y] | open[c.z]) & facing[side];

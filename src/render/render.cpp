@@ -208,6 +208,18 @@ ComposeCounts smoothEdges(SceneState& state, const ViewState& view, const Record
     return blendEdges(*view.edges, pixels, {strays, splat, specular}, result.frame);
 }
 
+// What a pass gathers with where the user has not said.
+HemisphereParams hemisphereOf(const HemisphereParams& wanted, GatherRoad road, float accuracy) {
+    HemisphereParams hemisphere = wanted;
+    if (hemisphere.size == 0) {
+        hemisphere.size = gatherSize(road, accuracy, hemisphere.kind);
+    }
+    if (hemisphere.extent == 0.0f) {
+        hemisphere.extent = gatherExtent(hemisphere.kind);
+    }
+    return hemisphere;
+}
+
 // placement, which gathers and projects -> splat -> compose. A pass that is given up has changed
 // nothing of `result` but times.
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
@@ -217,13 +229,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     if (how.min_pixels == 0.0f) {
         how.min_pixels = leastReach(pass.accuracy);
     }
-    HemisphereParams hemisphere = params.gather;
-    if (hemisphere.size == 0) {
-        hemisphere.size = gatherSize(state.road, pass.accuracy, hemisphere.kind);
-    }
-    if (hemisphere.extent == 0.0f) {
-        hemisphere.extent = gatherExtent(hemisphere.kind);
-    }
+    const HemisphereParams hemisphere = hemisphereOf(params.gather, state.road, pass.accuracy);
 
     RenderStats& stats = result.stats;
     StageSeconds& seconds = stats.seconds;
