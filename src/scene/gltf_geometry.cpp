@@ -129,7 +129,7 @@ Primitive readPrimitive(File& file, const tinygltf::Primitive& source,
         readFloats(file, attribute("POSITION"), 3, quantized, where + ", POSITION"));
     const size_t count = primitive.positions.size();
     const auto read = [&](const char* name, auto& values, Integers integers) {
-        if (attribute(name) == -1) {
+        if (source.attributes.count(name) == 0) {
             return;
         }
         using Vector = typename std::decay_t<decltype(values)>::value_type;
