@@ -1,4 +1,4 @@
-// Irradiance on small cells of triangles, found where it is first asked for and kept.
+// Light on small cells of triangles, found where it is first asked for and kept.
 #pragma once
 
 #include <atomic>
@@ -19,21 +19,24 @@ class IrradianceCells {
     /// `near`: as LightCells has them.
     IrradianceCells(const Scene& scene, const std::vector<Bounds>& near);
 
-    /// Where a ray that stands for `area` hit: what find(uv), an optional, says of the middle of
-    /// the cell, at these barycentric coordinates, or, where cells are larger than the area by
-    /// much, of the hit itself. Whichever find() asks first for a cell must be as good as any
-    /// other.
+    /// A cell of a side of a triangle, counted through the whole scene.
+    using Cell = TriangleGrid::Place;
+
+    /// The cell of a hit; none where cells are larger by much than `area`, which the ray stands
+    /// for.
+    std::optional<Cell> cellOf(const Hit& hit, float area) const {
+        return triangles_[hit.triangle].cell_area > kLargestOfRay * area
+                   ? std::nullopt
+                   : std::optional(placeOf(hit));
+    }
+    /// What find(), an optional colour, says of the cell. Whichever find() asks first must be as
+    /// good as any other.
     template <class Find>
-    std::optional<vec3> at(const Hit& hit, float area, const Find& find) const {
-        const Triangle& triangle = triangles_[hit.triangle];
-        if (triangle.cell_area > kLargestOfRay * area) {
-            return find(vec2(hit.u, hit.v));
-        }
-        const Place place = placeOf(hit);
+    std::optional<vec3> at(const Cell& place, const Find& find) const {
         std::atomic<uint64_t>& cell = cells_[place.cell];
         uint64_t packed = cell.load(std::memory_order_relaxed);
         if (packed == kUnknown) {
-            const std::optional<vec3> found = find(place.middle);
+            const std::optional<vec3> found = find();
             packed = found ? pack(*found) : kNothing;
             cell.store(packed, std::memory_order_relaxed);
         }
@@ -72,11 +75,10 @@ class IrradianceCells {
         return irradiance;
     }
 
-    using Place = TriangleGrid::Place;
-    Place placeOf(const Hit& hit) const {
+    Cell placeOf(const Hit& hit) const {
         const Triangle& triangle = triangles_[hit.triangle];
         const TriangleGrid grid{triangle.n};
-        Place place = grid.placeOf(hit.u, hit.v);
+        Cell place = grid.placeOf(hit.u, hit.v);
         place.cell += triangle.first + (hit.back ? static_cast<uint32_t>(grid.cellCount()) : 0);
         return place;
     }

@@ -68,10 +68,13 @@ void checkExtent(const File& file, const Scene& scene) {
     }
 }
 
-// A sky of the user's, whose sun shines as a light of its own.
+// A sky of the user's or the file's, whose sun shines as a light of its own.
 void addEnvironment(File& file, const EnvironmentParams& environment, Scene& scene) {
     std::vector<std::string> warnings;
-    scene.environment = loadEnvironment(environment, file.read, warnings);
+    scene.environment = environment.source.empty()
+                            ? loadSky(file)
+                            : loadEnvironment(environment, file.read, warnings);
+    scene.environment.visible = !environment.transparent;
     for (const std::string& warning : warnings) {
         file.notes.add(warning);
     }
@@ -80,7 +83,8 @@ void addEnvironment(File& file, const EnvironmentParams& environment, Scene& sce
         scene.light_names.push_back("sun");
         file.notes.add(fmt::format(
             "{}: its sun, {:.3g} lux, is taken out of the image and shines as a directional light",
-            environment.source, luminance(sun->intensity)));
+            environment.source.empty() ? "the file's sky" : environment.source,
+            luminance(sun->intensity)));
     }
 }
 
