@@ -18,7 +18,7 @@ Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
 }
 
 // Of many lights, for a sample of a pixel.
-constexpr size_t kSampleParts = ManyLights::kParts / 4;
+constexpr size_t kSampleParts = ManyLights::kParts / 8;
 
 vec3 manyLights(const Tracer& tracer, const ManyLights& lights, const LitPoint& point, size_t parts,
                 uint32_t seed) {
@@ -44,46 +44,52 @@ vec3 manyLights(const Tracer& tracer, const ManyLights& lights, const LitPoint& 
     return sum;
 }
 
+// Adds what punctual lights send by way of a row's points; `seed`: of its first one.
+void addPunctual(const Tracer& tracer, const ManyLights& lights, const PointAt& pointAt, int y,
+                 size_t parts, uint32_t seed, Image<vec3>& direct) {
+    constexpr int kPacket = Tracer::kPacket;
+    int columns[kPacket];
+    LitPoint points[kPacket];
+    SurfaceSide sides[kPacket];
+    for (int x = 0; x < direct.width;) {
+        // The row's next points.
+        size_t count = 0;
+        for (; x < direct.width && count < kPacket; ++x) {
+            if (const std::optional<LitPoint> point = pointAt(x, y)) {
+                columns[count] = x;
+                points[count] = *point;
+                sides[count++] = point->side;
+            }
+        }
+        for (const PunctualLight& light : lights.each()) {
+            const Tracer::Shares shares = reaching(tracer, light, {sides, count});
+            for (size_t k = 0; k < count; ++k) {
+                if (shares[k] == 0.0f) {
+                    continue;
+                }
+                direct.at(columns[k], y) +=
+                    shares[k] * scattered(points[k].surface, sides[k].toward_viewer,
+                                          shared::sampleLight(light, sides[k].position));
+            }
+        }
+        for (size_t k = 0; k < count && !lights.empty(); ++k) {
+            direct.at(columns[k], y) += manyLights(tracer, lights, points[k], parts,
+                                                   seed + static_cast<uint32_t>(columns[k]));
+        }
+    }
+}
+
 }  // namespace
 
 Image<vec3> traceDirect(const Tracer& tracer, const SceneLights& lights, const ivec2& size,
                         std::span<const uint32_t> rows_of, const PointAt& pointAt) {
-    constexpr int kPacket = Tracer::kPacket;
     const size_t parts = rows_of.empty() ? ManyLights::kParts : kSampleParts;
     Image<vec3> direct(size.x, size.y);
     parallelFor(size.y, [&](int y) {
-        int columns[kPacket];
-        LitPoint points[kPacket];
-        SurfaceSide sides[kPacket];
         const uint32_t row =
             rows_of.empty() ? static_cast<uint32_t>(y) : rows_of[static_cast<size_t>(y)];
-        for (int x = 0; x < size.x;) {
-            // The row's next points.
-            size_t count = 0;
-            for (; x < size.x && count < kPacket; ++x) {
-                if (const std::optional<LitPoint> point = pointAt(x, y)) {
-                    columns[count] = x;
-                    points[count] = *point;
-                    sides[count++] = point->side;
-                }
-            }
-            for (const PunctualLight& light : lights.punctual.each()) {
-                const Tracer::Shares shares = reaching(tracer, light, {sides, count});
-                for (size_t k = 0; k < count; ++k) {
-                    if (shares[k] == 0.0f) {
-                        continue;
-                    }
-                    direct.at(columns[k], y) +=
-                        shares[k] * scattered(points[k].surface, sides[k].toward_viewer,
-                                              shared::sampleLight(light, sides[k].position));
-                }
-            }
-            for (size_t k = 0; k < count && !lights.punctual.empty(); ++k) {
-                direct.at(columns[k], y) += manyLights(
-                    tracer, lights.punctual, points[k], parts,
-                    row * static_cast<uint32_t>(size.x) + static_cast<uint32_t>(columns[k]));
-            }
-        }
+        addPunctual(tracer, lights.punctual, pointAt, y, parts, row * static_cast<uint32_t>(size.x),
+                    direct);
     });
     if (lights.lamps.empty()) {
         return direct;

@@ -16,18 +16,26 @@ namespace sheen {
 /// Safe to use from many threads: whichever asks first, a cell says the same.
 class IrradianceCells {
   public:
-    /// `near`: as LightCells has them.
-    IrradianceCells(const Scene& scene, const std::vector<Bounds>& near);
+    /// `near`: as LightCells has them. The tracer must outlive it.
+    IrradianceCells(const Tracer& tracer, const std::vector<Bounds>& near);
 
     /// A cell of a side of a triangle, counted through the whole scene.
     using Cell = TriangleGrid::Place;
 
     /// The cell of a hit; none where cells are larger by much than `area`, which the ray stands
-    /// for.
+    /// for, and none where something stands in the cell, which may part light from shadow.
     std::optional<Cell> cellOf(const Hit& hit, float area) const {
-        return triangles_[hit.triangle].cell_area > kLargestOfRay * area
-                   ? std::nullopt
-                   : std::optional(placeOf(hit));
+        if (triangles_[hit.triangle].cell_area > kLargestOfRay * area) {
+            return std::nullopt;
+        }
+        const Cell place = placeOf(hit);
+        std::atomic<uint64_t>& cell = cells_[place.cell];
+        const uint64_t packed = cell.load(std::memory_order_relaxed);
+        if (packed == kUnknown && parted(hit, place)) {
+            cell.store(kParted, std::memory_order_relaxed);
+            return std::nullopt;
+        }
+        return packed == kParted ? std::nullopt : std::optional(place);
     }
     /// What find(), an optional colour, says of the cell. Whichever find() asks first must be as
     /// good as any other.
@@ -50,6 +58,7 @@ class IrradianceCells {
     // No numbers: bits beyond those of three channels.
     static constexpr uint64_t kUnknown = ~uint64_t{0};
     static constexpr uint64_t kNothing = kUnknown - 1;
+    static constexpr uint64_t kParted = kUnknown - 2;
     // Of each channel the 21 leading bits, the sign left out: 13 of its mantissa.
     static constexpr int kBits = 21;
     static constexpr int kCut = 10;
@@ -75,6 +84,7 @@ class IrradianceCells {
         return irradiance;
     }
 
+    bool parted(const Hit& hit, const Cell& cell) const;
     Cell placeOf(const Hit& hit) const {
         const Triangle& triangle = triangles_[hit.triangle];
         const TriangleGrid grid{triangle.n};
@@ -88,6 +98,7 @@ class IrradianceCells {
         uint32_t n;      // an edge is divided so often
         float cell_area;
     };
+    const Tracer& tracer_;
     std::vector<Triangle> triangles_;
     std::unique_ptr<std::atomic<uint64_t>[]> cells_;
 };

@@ -154,7 +154,7 @@ ScatteredAgain::ScatteredAgain(const ScatteredOnce& once, Elements elements,
       once_(once),
       bounces_(bounces),
       elements_(std::move(elements)),
-      cells_(scene(), near) {
+      cells_(once.tracer(), near) {
     std::vector<Equation> equations(elements_.size());
     parallelFor(static_cast<int>(equations.size()), [&](int i) {
         const auto k = static_cast<size_t>(i);

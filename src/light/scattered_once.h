@@ -27,7 +27,7 @@ class ScatteredOnce : public OutgoingLight {
     void radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const override;
 
   private:
-    static constexpr uint32_t kCellSamples = 16;
+    static constexpr uint32_t kCellSamples = 8;
     struct Lit;
     struct Asked;
     void addPunctual(const Rays& rays, std::span<const Lit> lacking, vec3* radiance) const;

@@ -136,8 +136,7 @@ Environment skyOf(File& file, const tinygltf::Value& light, const std::string& w
 
 Environment loadSky(File& file) {
     const int shown = shownScene(file);
-    const auto& extensions = file.model.extensions;
-    if (shown < 0 || extensions.count(kName) == 0) {
+    if (shown < 0) {
         return {};
     }
     const auto& own = file.model.scenes[static_cast<size_t>(shown)].extensions;
@@ -147,10 +146,13 @@ Environment loadSky(File& file) {
     const std::string where = "the scene's image-based light";
     try {
         const double index = numberMember(file, own.at(kName), "light", -1.0, where);
-        const tinygltf::Value& lights = extensions.at(kName).Get("lights");
+        const auto root = file.model.extensions.find(kName);
+        const bool any = root != file.model.extensions.end() && root->second.Has("lights");
+        const tinygltf::Value lights = any ? root->second.Get("lights") : tinygltf::Value();
         const auto count = lights.IsArray() ? static_cast<double>(lights.ArrayLen()) : 0.0;
         if (!(index >= 0.0) || index >= count) {
-            file.fail(where, "refers to light {}, but the file has {}", index, count);
+            file.fail(where, "refers to light {}, but the file has {}; export it again", index,
+                      count);
         }
         return skyOf(file, lights.Get(static_cast<int>(index)), where);
     } catch (const Error& error) {
