@@ -32,6 +32,7 @@ TEST_F(CliBakeTest, refusesWhatCannotBe) {
                 "--spp makes it finer");
     expectError("bake scene.gltf --size 16 --texels-per-metre 100 -o a.exr", ExitCode::kUsage,
                 "ask for at most");
+    expectError("bake scene.gltf --unlit -o a.exr", ExitCode::kUsage, "no output is a .glb");
     expectError("bake nothing.glb -o a.exr", ExitCode::kInput, "no such file");
     fs::create_symlink("scene.gltf", file("soft.glb"));
     expectError("bake scene.gltf -o soft.glb", ExitCode::kUsage, "would overwrite");

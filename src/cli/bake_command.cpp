@@ -1,6 +1,8 @@
 // sheen bake: a scene's light into a lightmap.
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include "bake/encode.h"
@@ -74,8 +76,12 @@ void understand(BakeOptions& o) {
     if (o.outputs.empty()) {
         o.outputs.push_back(std::filesystem::path(o.scene).stem().string() + "_baked.glb");
     }
+    bool any_glb = false;
     for (const std::string& output : o.outputs) {
-        bakedKind(output);
+        any_glb = bakedKind(output) == BakedKind::kGlb || any_glb;
+    }
+    if (o.unlit && !any_glb) {
+        throwUsage("--unlit: no output is a .glb file; give -o one");
     }
 }
 
@@ -209,62 +215,68 @@ ExitCode runBake(BakeOptions& o) {
     return ExitCode::kDone;
 }
 
+void addAtlasOptions(CLI::App& app, BakeOptions& o) {
+    app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")
+        ->type_name("FILE")
+        ->required()
+        ->check(fileName());
+    app.add_option("-o,--output", o.outputs,
+                   "What to write, may be given more than once: .glb, the scene with its "
+                   "lightmap; .exr, the lightmap alone with all figures; .png, to look at; "
+                   "default: the scene's name with _baked.glb, in the current folder")
+        ->type_name("FILE")
+        ->allow_extra_args(false)
+        ->check(fileName());
+    app.add_option("--size", o.atlas.size, "Texels along each side of the lightmap")
+        ->check(CLI::Range(kLeastAtlas, kLargestAtlas))
+        ->default_str("512, or what --texels-per-metre asks for");
+    app.add_option("--texels-per-metre", o.atlas.texels_per_metre,
+                   "Texels along each unit of the scene's surfaces; default: as many as --size "
+                   "holds")
+        ->check(numberIn(1e-6, 1e6))
+        ->default_str("");
+}
+
+void addBakeMethodOptions(CLI::App& app, BakeOptions& o) {
+    app.add_option("--method", o.method,
+                   "records (gathered at few texels), texels (the same at each of them), "
+                   "reference (path tracer)")
+        ->check(CLI::IsMember({"records", "texels", "reference"}))
+        ->capture_default_str();
+    o.accuracy_option =
+        app.add_option("--accuracy", o.params.accuracy,
+                       "records, texels: largest error of a record's reuse, smaller is better "
+                       "and slower")
+            ->check(numberIn(0.01, 2))
+            ->capture_default_str();
+    o.spp_option = app.add_option("--spp", o.params.spp, "reference: paths a texel")
+                       ->check(CLI::Range(1, 1 << 24))
+                       ->capture_default_str();
+    o.seed_option = app.add_option("--seed", o.params.seed, "reference: of its random numbers")
+                        ->capture_default_str();
+    app.add_option("--bounces", o.bounces, "As sheen render has it: all, or 1..64")
+        ->capture_default_str();
+    app.add_flag("--indirect-only", o.params.indirect_only,
+                 "Leave out the light that comes straight from lights and lamps");
+    app.add_flag("--unlit", o.unlit,
+                 ".glb: light and colours in one image, for viewers that know no lightmaps");
+    addEnvironmentOptions(app, o.load.environment);
+    app.add_option("--threads", o.threads, "Threads to use; 0: one a hardware thread")
+        ->check(numberIn(0, 256))
+        ->capture_default_str();
+    app.add_option("--json", o.json, "File for all figures as JSON; -: standard output")
+        ->type_name("FILE")
+        ->check(fileName());
+    app.add_flag("-q,--quiet", o.params.quiet, "No progress");
+}
+
 }  // namespace
 
 Command addBake(CLI::App& program) {
     CLI::App* app = program.add_subcommand("bake", "Bake a scene's light into a lightmap");
     const auto o = std::make_shared<BakeOptions>();
-    app->add_option("SCENE", o->scene, "glTF scene, .glb or .gltf")
-        ->type_name("FILE")
-        ->required()
-        ->check(fileName());
-    app->add_option("-o,--output", o->outputs,
-                    "What to write, may be given more than once: .glb, the scene with its "
-                    "lightmap; .exr, the lightmap alone with all figures; .png, to look at; "
-                    "default: the scene's name with _baked.glb, in the current folder")
-        ->type_name("FILE")
-        ->allow_extra_args(false)
-        ->check(fileName());
-    CLI::Option* size =
-        app->add_option("--size", o->atlas.size, "Texels along each side of the lightmap")
-            ->check(CLI::Range(kLeastAtlas, kLargestAtlas))
-            ->default_str("512, or what --texels-per-metre asks for");
-    static_cast<void>(size);
-    app->add_option("--texels-per-metre", o->atlas.texels_per_metre,
-                    "Texels along each unit of the scene's surfaces; default: as many as --size "
-                    "holds")
-        ->check(numberIn(1e-6, 1e6))
-        ->default_str("");
-    app->add_option("--method", o->method,
-                    "records (gathered at few texels), texels (the same at each of them), "
-                    "reference (path tracer)")
-        ->check(CLI::IsMember({"records", "texels", "reference"}))
-        ->capture_default_str();
-    o->accuracy_option =
-        app->add_option("--accuracy", o->params.accuracy,
-                        "records, texels: largest error of a record's reuse, smaller is better "
-                        "and slower")
-            ->check(numberIn(0.01, 2))
-            ->capture_default_str();
-    o->spp_option = app->add_option("--spp", o->params.spp, "reference: paths a texel")
-                        ->check(CLI::Range(1, 1 << 24))
-                        ->capture_default_str();
-    o->seed_option = app->add_option("--seed", o->params.seed, "reference: of its random numbers")
-                         ->capture_default_str();
-    app->add_option("--bounces", o->bounces, "As sheen render has it: all, or 1..64")
-        ->capture_default_str();
-    app->add_flag("--indirect-only", o->params.indirect_only,
-                  "Leave out the light that comes straight from lights and lamps");
-    app->add_flag("--unlit", o->unlit,
-                  ".glb: light and colours in one image, for viewers that know no lightmaps");
-    addEnvironmentOptions(*app, o->load.environment);
-    app->add_option("--threads", o->threads, "Threads to use; 0: one a hardware thread")
-        ->check(numberIn(0, 256))
-        ->capture_default_str();
-    app->add_option("--json", o->json, "File for all figures as JSON; -: standard output")
-        ->type_name("FILE")
-        ->check(fileName());
-    app->add_flag("-q,--quiet", o->params.quiet, "No progress");
+    addAtlasOptions(*app, *o);
+    addBakeMethodOptions(*app, *o);
     return {app, [o] { return runBake(*o); }};
 }
 
