@@ -489,13 +489,13 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
 ReferenceResult renderReferenceOf(const Scene& scene, const ReferenceParams& params,
                                   const SurfaceOf& surface_of) {
     SHEEN_CHECK(!params.pixel_area);
-    return renderPlaces(
-        scene, params,
-        [&](const Context& context, int x, int y, ReferenceResult& result, Counters& counters) {
-            if (const std::optional<Surface> surface = surface_of(x, y)) {
-                renderSurface(context, *surface, x, y, result, counters);
-            }
-        });
+    const auto render = [&](const Context& context, int x, int y, ReferenceResult& result,
+                            Counters& counters) {
+        if (const std::optional<Surface> surface = surface_of(x, y)) {
+            renderSurface(context, *surface, x, y, result, counters);
+        }
+    };
+    return renderPlaces(scene, params, render);
 }
 
 }  // namespace sheen
