@@ -417,7 +417,6 @@ int guideSize(const ReferenceParams& params) {
     return params.bounces > 0 ? size : 0;
 }
 
-// And the light of a surface that no camera sees.
 void renderSurface(const Context& context, const Surface& surface, int x, int y,
                    ReferenceResult& result, Counters& counters) {
     Pixel pixel(context, x, y);
