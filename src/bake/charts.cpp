@@ -16,7 +16,6 @@ using glm::dvec2;
 
 using Corners = std::array<dvec2, 3>;
 
-constexpr uint32_t kNone = ~0u;
 // Of the chart's first triangle and any other: texels are then a quarter longer at the most than
 // they are wide.
 constexpr float kLeastCosine = 0.8f;
