@@ -7,6 +7,18 @@
 #include "rays/surface_point.h"
 
 namespace sheen {
+namespace {
+
+// Of a specular surface what its lobe makes of lights is left out where rays ask for the rest.
+Scatterer withoutCaustics(const Rays& rays, Scatterer surface) {
+    if (rays.without_caustics && isSpecular(surface.brdf)) {
+        surface.brdf.f0 = vec3(0.0f);
+        surface.brdf.f90 = 0.0f;
+    }
+    return surface;
+}
+
+}  // namespace
 
 // A hit, and what is known of its light.
 struct ScatteredOnce::Lit {
@@ -103,7 +115,7 @@ void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
                 surfaces[k] = scattererAt(scene(), points[k]);
             }
             const size_t ray = lacking[k].ray;
-            Scatterer surface = *surfaces[k];
+            Scatterer surface = withoutCaustics(rays, *surfaces[k]);
             surface.brdf.alpha =
                 shared::filteredAlpha(surface.brdf.alpha, rays.solidAngle(ray),
                                       lacking[k].hit->distance, samples[k].distance);
@@ -127,7 +139,7 @@ void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3*
             .n_g = p.n_g,
             .toward_viewer = p.wo,
             .offset = surfaceOffset(scene(), hit.triangle, p.position, p.n_g, p.distance)};
-        const Scatterer surface = scattererAt(scene(), p);
+        const Scatterer surface = withoutCaustics(rays, scattererAt(scene(), p));
         const uint32_t seed = hashOfPoint(hit.triangle, hit.u, hit.v);
         const vec2 u = randomPlace(seed, 0), v = randomPlace(seed, 1);
         const auto arriving = [&](const vec3& wi, float distance, const vec3& irradiance) {
