@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 
 #include "core/directions.h"
 #include "core/parallel.h"
+#include "light/photon_starts.h"
 #include "light/punctual.h"
 #include "light/sky.h"
 #include "light/triangle_grid.h"
 #include "rays/jitter.h"
-#include "scene/brdf_albedo.h"
 #include "scene/ggx_sampling.h"
 
 namespace sheen {
@@ -20,136 +21,30 @@ namespace {
 
 constexpr int kPacket = Tracer::kPacket;
 
-// Specular surfaces are divided into cells of this share of the scene, at most so many; each has
-// two sides.
-constexpr float kCellShare = 1.0f / 64.0f;
-constexpr size_t kMostCells = 1u << 18u;
-// A part of the photons finds out where others are worth while, by so many parts of all surfaces of
-// about equal reflectance. They say it to within chance: a share of the photons starts anywhere.
-constexpr int kPilots = 4;  // one in so many
-constexpr size_t kParts = 2048;
-constexpr double kAnywhere = 0.05;
+// Some photons, one in so many and then again, find out where others are worth while.
+constexpr int kPilots[] = {8, 8};
+// Where a photon starts it chooses from so many ways to lights.
+constexpr size_t kOffers = 2;
+// Photons of more power than so many times the mean are split: at most as many are added as there
+// are, over this.
+constexpr double kMostPower = 4.0;
 // From surface to surface photons go on by chance, never surely.
 constexpr float kLikeliest = 0.95f;
 
 // Random numbers of a photon, by what they are for.
 enum Use : uint32_t { kWhich, kWhere, kSource, kLamp, kLampPoint, kSky, kFirstLobe };
 
-// A side of a piece of a specular triangle.
-struct Patch {
-    uint32_t triangle;
-    bool back;
-    std::array<vec2, 3> corners;  // Embree's barycentric coordinates
-    double reflects;              // area times albedo
-};
-
-// Where photons start: patches, how likely each is.
-struct Starts {
-    std::vector<Patch> patches;
-    std::vector<uint32_t> parts;  // [patch]
-    std::vector<double> sums;     // [patch + 1], of likelihoods; ends in 1
-
-    // By what they reflect, times a factor a part.
-    void setLikelihoods(const std::vector<double>& factors);
-    // By sums, a part, of the squares of what photons brought that started as they are now likely.
-    void heed(const std::vector<double>& squares);
-    struct Choice {
-        size_t patch;
-        double probability;
-    };
-    Choice choose(double u) const {
-        const auto above = std::upper_bound(sums.begin() + 1, sums.end() - 1, u);
-        const auto patch = static_cast<size_t>(above - sums.begin()) - 1;
-        return {patch, sums[patch + 1] - sums[patch]};
-    }
-};
-
-void Starts::setLikelihoods(const std::vector<double>& factors) {
-    sums.assign(patches.size() + 1, 0.0);
-    for (size_t i = 0; i < patches.size(); ++i) {
-        sums[i + 1] = sums[i] + patches[i].reflects * factors[parts[i]];
-    }
-    for (double& sum : sums) {
-        sum /= sums.back() > 0.0 ? sums.back() : 1.0;
-    }
-    sums.back() = 1.0;
-}
-
-void Starts::heed(const std::vector<double>& squares) {
-    std::vector<double> likely(kParts, 0.0);
-    for (size_t i = 0; i < patches.size(); ++i) {
-        likely[parts[i]] += sums[i + 1] - sums[i];
-    }
-    std::vector<double> factors(kParts, 0.0);
-    double mean = 0.0;
-    for (size_t part = 0; part < kParts; ++part) {
-        if (likely[part] > 0.0) {
-            factors[part] = std::sqrt(squares[part] / likely[part]);
-            mean += likely[part] * factors[part];
-        }
-    }
-    for (double& factor : factors) {
-        factor = mean > 0.0 ? factor + kAnywhere * mean : 1.0;
-    }
-    setLikelihoods(factors);
-}
-
-void addPatches(const Scene& scene, uint32_t triangle, const TriangleGrid& grid, bool back,
-                std::vector<Patch>& patches) {
-    constexpr float kTypicalCosine = 0.7f;
-    const double area =
-        TriangleEdges(scene, triangle).area() / static_cast<double>(grid.n * grid.n);
-    const std::vector<vec2> corners = grid.corners();
-    grid.forEachCell([&](uint32_t, const uvec3& c, const vec2& middle) {
-        const MaterialParams material =
-            materialAt(scene, triangle, vec3(1.0f - middle.x - middle.y, middle));
-        const Brdf brdf =
-            shared::makeBrdf(material, brdfAlbedo(kTypicalCosine, material.roughness));
-        const vec3 albedo = specularAlbedo(kTypicalCosine, material.roughness, brdf.f0, brdf.f90);
-        // A texture's middle does not tell of all of the cell.
-        constexpr double kLeast = 1e-3;
-        patches.push_back({.triangle = triangle,
-                           .back = back,
-                           .corners = {corners[c.x], corners[c.y], corners[c.z]},
-                           .reflects = area * std::max<double>(luminance(albedo), kLeast)});
-    });
-}
-
-Starts findStarts(const Scene& scene) {
-    std::vector<uint8_t> specular(scene.materials.size());
-    for (size_t i = 0; i < specular.size(); ++i) {
-        specular[i] = maybeSpecular(scene, scene.materials[i]) ? 1 : 0;
-    }
-    Starts starts;
-    const std::vector<uint32_t> divisions = gridDivisions(scene, {}, kCellShare, kMostCells);
-    for (const bool back : {false, true}) {
-        for (uint32_t t = 0; t < divisions.size(); ++t) {
-            if (specular[scene.materials_of[t]] != 0) {
-                addPatches(scene, t, {divisions[t]}, back, starts.patches);
-            }
-        }
-    }
-    double all = 0.0;
-    for (const Patch& patch : starts.patches) {
-        all += patch.reflects;
-    }
-    double sum = 0.0;
-    for (const Patch& patch : starts.patches) {
-        const double place = static_cast<double>(kParts) * sum / all;
-        starts.parts.push_back(
-            static_cast<uint32_t>(std::clamp(place, 0.0, static_cast<double>(kParts - 1))));
-        sum += patch.reflects;
-    }
-    starts.setLikelihoods(std::vector<double>(kParts, 1.0));
-    return starts;
-}
-
 // A photon on its way.
 struct Flight {
     vec3 origin, direction;
     vec3 power;
     uint32_t seed;
-    size_t start;  // number of the patch's part
+    size_t part;  // that it started from
+};
+
+// And one that lies where it is wanted.
+struct Landed : Photon {
+    size_t part;  // that it started from
 };
 
 class PhotonTracer {
@@ -162,38 +57,29 @@ class PhotonTracer {
           seen_(seen),
           bounces_(bounces) {}
 
-    // `count` photons in all, whose random numbers are those of `seed`. Calls land(photon, part of
-    // its start) for each that lies where it is wanted.
-    template <class Land>
-    void trace(const Starts& starts, int first, int last, int count, uint32_t seed,
-               const Land& land) const {
-        std::vector<Flight> flights;
-        for (int i = first; i < last; i += kPacket) {
-            start(starts, i, std::min(i + kPacket, last), count, seed, flights);
-        }
-        for (int bounce = 1; !flights.empty(); ++bounce) {
-            std::vector<Flight> next;
-            for (size_t i = 0; i < flights.size(); i += kPacket) {
-                const size_t packet = std::min<size_t>(kPacket, flights.size() - i);
-                fly({&flights[i], packet}, bounce, land, next);
-            }
-            flights = std::move(next);
-        }
-    }
+    struct Traced {
+        std::vector<Landed> landed;
+        double started = 0;  // power of all that started
+    };
+    // Those of `count` photons that lie where they are wanted, by random numbers of `seed`. One of
+    // more power than `most` is as many photons as it is larger.
+    Traced traceAll(const PhotonStarts& starts, int count, uint32_t seed, double most) const;
 
   private:
     struct Lit {
-        vec3 wi;
-        vec3 irradiance;  // by the shading normal, if nothing lies between
+        vec3 wi{0.0f};
+        vec3 irradiance{0.0f};  // by the shading normal
+    };
+    struct Offered : Lit {
         Way way;
     };
+    Offered offered(const SurfaceSide& side, const vec3& n, uint32_t seed) const;
     Lit light(const SurfaceSide& side, const vec3& n, uint32_t seed) const;
-    void start(const Starts& starts, int first, int last, int count, uint32_t seed,
-               std::vector<Flight>& flights) const;
+    double start(const PhotonStarts& starts, int number, int count, uint32_t seed, double most,
+                 std::vector<Flight>& flights) const;
     std::optional<Flight> leave(const Flight& arrived, const SurfacePoint& p,
                                 const Scatterer& surface, const vec3& start, uint32_t use) const;
-    template <class Land>
-    void fly(std::span<const Flight> flights, int bounce, const Land& land,
+    void fly(std::span<const Flight> flights, int bounce, std::vector<Landed>& landed,
              std::vector<Flight>& next) const;
 
     const Tracer& tracer_;
@@ -204,9 +90,10 @@ class PhotonTracer {
     int bounces_;
 };
 
-// Of all that may reach a point one light, by chance, as likely as it is bright there.
-PhotonTracer::Lit PhotonTracer::light(const SurfaceSide& side, const vec3& n, uint32_t seed) const {
-    Lit chosen{};
+// Of all lights one, by chance, as likely as it would be bright at a point if nothing hid it.
+PhotonTracer::Offered PhotonTracer::offered(const SurfaceSide& side, const vec3& n,
+                                            uint32_t seed) const {
+    Offered chosen;
     double sum = 0.0;
     double u = randomPlace(seed, kSource).x;
     // One of many by a single number: what is left of it decides again.
@@ -223,8 +110,9 @@ PhotonTracer::Lit PhotonTracer::light(const SurfaceSide& side, const vec3& n, ui
         sum += weight;
         const double share = weight / sum;
         if (u < share) {
-            chosen = {
-                .wi = wi, .irradiance = irradiance / static_cast<float>(weight), .way = way()};
+            chosen.wi = wi;
+            chosen.irradiance = irradiance / static_cast<float>(weight);
+            chosen.way = way();
             u /= share;
         } else {
             u = (u - share) / (1.0 - share);
@@ -252,63 +140,81 @@ PhotonTracer::Lit PhotonTracer::light(const SurfaceSide& side, const vec3& n, ui
     return chosen;
 }
 
-// Photons `first` to `last` of `count` at their first specular surface: lit, and on their way from
-// there.
-void PhotonTracer::start(const Starts& starts, int first, int last, int count, uint32_t seed,
-                         std::vector<Flight>& flights) const {
-    std::array<std::optional<Flight>, kPacket> begun;
-    std::array<SurfacePoint, kPacket> points;
-    std::array<Scatterer, kPacket> surfaces;
-    std::array<vec3, kPacket> origins;
-    Way ways[kPacket];
-    for (int i = first; i < last; ++i) {
-        const auto k = static_cast<size_t>(i - first);
-        const uint32_t own = pcgHash(static_cast<uint32_t>(i) + pcgHash(seed));
-        const auto [patch_index, probability] =
-            starts.choose((i + double{randomPlace(own, kWhich).x}) / count);
-        const Patch& patch = starts.patches[patch_index];
-        const vec2 u = randomPlace(own, kWhere);
-        const float root = std::sqrt(u.x);
-        const vec2 uv = (1.0f - root) * patch.corners[0] + root * (1.0f - u.y) * patch.corners[1] +
-                        root * u.y * patch.corners[2];
-        const vec3 by_winding = geometricNormal(scene_, static_cast<int>(patch.triangle));
-        const vec3 n_g = patch.back ? -by_winding : by_winding;
-        SurfacePoint& p = points[k] = surfacePoint(scene_, patch.triangle, uv.x, uv.y, n_g, 0.0f);
-        const SurfaceSide side{
-            .position = p.position,
-            .n_g = n_g,
-            .toward_viewer = vec3(0.0f),
-            .offset = surfaceOffset(scene_, patch.triangle, p.position, n_g, 0.0f)};
-        surfaces[k] = scattererAt(scene_, p);
-        const float coverage = coverageAt(scene_, patch.triangle, p.barycentric);
-        if (!isSpecular(surfaces[k].brdf) || coverage == 0.0f || probability <= 0.0) {
-            continue;
-        }
-        const Lit lit = light(side, surfaces[k].n, own);
-        const double area =
-            TriangleEdges(scene_, patch.triangle).area() *
-            std::abs(glm::determinant(glm::mat2(patch.corners[1] - patch.corners[0],
-                                                patch.corners[2] - patch.corners[0])));
-        const auto stands_for = static_cast<float>(coverage * area / (probability * count));
-        begun[k] = Flight{.origin = side.start(),
-                          .direction = -lit.wi,
-                          .power = stands_for * lit.irradiance,
-                          .seed = own,
-                          .start = starts.parts[patch_index]};
-        ways[k] = lit.way;
-        origins[k] = side.start();
+// And of several of these that nothing hides one, as likely as it is bright, for all of them.
+PhotonTracer::Lit PhotonTracer::light(const SurfaceSide& side, const vec3& n, uint32_t seed) const {
+    Offered all[kOffers];
+    Way ways[kOffers];
+    for (uint32_t k = 0; k < kOffers; ++k) {
+        all[k] = offered(side, n, pcgHash(seed + k));
+        ways[k] = all[k].way;
     }
-    const Tracer::Shares shares = tracer_.passing({ways, kPacket});
-    for (size_t k = 0; k < kPacket; ++k) {
-        if (!begun[k] || ways[k].length <= 0.0f || shares[k] <= 0.0f) {
-            continue;
-        }
-        begun[k]->power *= shares[k];
-        // The light was weighed by the shading normal already.
-        if (auto flight = leave(*begun[k], points[k], surfaces[k], origins[k], kFirstLobe)) {
+    const Tracer::Shares shares = tracer_.passing(ways);
+    float sums[kOffers];
+    float sum = 0.0f;
+    for (size_t k = 0; k < kOffers; ++k) {
+        sum += shares[k] > 0.0f ? shares[k] * luminance(all[k].irradiance) : 0.0f;
+        sums[k] = sum;
+    }
+    if (!(sum > 0.0f)) {
+        return {};
+    }
+    const float u = sum * randomPlace(seed, kSource).y;
+    size_t chosen = 0;
+    while (chosen + 1 < kOffers && sums[chosen] <= u) {
+        ++chosen;
+    }
+    const float mean = sum / kOffers;
+    return {.wi = all[chosen].wi,
+            .irradiance = all[chosen].irradiance * (mean / luminance(all[chosen].irradiance))};
+}
+
+// Photon `number` of `count` at its first specular surface: lit, and on its way from there. Returns
+// the power that it started with.
+double PhotonTracer::start(const PhotonStarts& starts, int number, int count, uint32_t seed,
+                           double most, std::vector<Flight>& flights) const {
+    const uint32_t own = pcgHash(static_cast<uint32_t>(number) + pcgHash(seed));
+    const auto [patch_index, probability] =
+        starts.choose((number + double{randomPlace(own, kWhich).x}) / count);
+    const Patch& patch = starts.patch(patch_index);
+    const vec2 u = randomPlace(own, kWhere);
+    const float root = std::sqrt(u.x);
+    const vec2 e1 = patch.corners[1] - patch.corners[0], e2 = patch.corners[2] - patch.corners[0];
+    const vec2 uv = patch.corners[0] + root * (1.0f - u.y) * e1 + root * u.y * e2;
+    const vec3 by_winding = geometricNormal(scene_, static_cast<int>(patch.triangle));
+    const vec3 n_g = patch.back ? -by_winding : by_winding;
+    const SurfacePoint p = surfacePoint(scene_, patch.triangle, uv.x, uv.y, n_g, 0.0f);
+    const SurfaceSide side{.position = p.position,
+                           .n_g = n_g,
+                           .toward_viewer = vec3(0.0f),
+                           .offset = surfaceOffset(scene_, patch.triangle, p.position, n_g, 0.0f)};
+    const Scatterer surface = scattererAt(scene_, p);
+    const float coverage = coverageAt(scene_, patch.triangle, p.barycentric);
+    if (!isSpecular(surface.brdf) || coverage == 0.0f || probability <= 0.0) {
+        return 0.0;
+    }
+    const Lit lit = light(side, surface.n, own);
+    const double area =
+        TriangleEdges(scene_, patch.triangle).area() * std::abs(e1.x * e2.y - e1.y * e2.x);
+    const auto stands_for = static_cast<float>(coverage * area / (probability * count));
+    // The light was weighed by the shading normal already.
+    Flight arrived{.origin = side.start(),
+                   .direction = -lit.wi,
+                   .power = stands_for * lit.irradiance,
+                   .seed = own,
+                   .part = starts.partOf(patch_index)};
+    const double power = luminance(arrived.power);
+    if (!(power > 0.0)) {
+        return 0.0;
+    }
+    const double copies = std::max(std::ceil(power / most), 1.0);
+    arrived.power /= static_cast<float>(copies);
+    for (double copy = 0.0; copy < copies; ++copy) {
+        if (const auto flight = leave(arrived, p, surface, side.start(), kFirstLobe)) {
             flights.push_back(*flight);
         }
+        arrived.seed = pcgHash(arrived.seed);
     }
+    return power;
 }
 
 // Along the lobe of a surface, of which as much goes on as it reflects. Photons carry what the
@@ -340,8 +246,34 @@ std::optional<Flight> PhotonTracer::leave(const Flight& arrived, const SurfacePo
                                                                   : std::nullopt;
 }
 
-template <class Land>
-void PhotonTracer::fly(std::span<const Flight> flights, int bounce, const Land& land,
+PhotonTracer::Traced PhotonTracer::traceAll(const PhotonStarts& starts, int count, uint32_t seed,
+                                            double most) const {
+    constexpr int kBatch = 1024;
+    std::vector<Traced> batches(static_cast<size_t>((count + kBatch - 1) / kBatch));
+    parallelFor(static_cast<int>(batches.size()), [&](int b) {
+        Traced& batch = batches[static_cast<size_t>(b)];
+        std::vector<Flight> flights;
+        for (int i = b * kBatch; i < std::min((b + 1) * kBatch, count); ++i) {
+            batch.started += start(starts, i, count, seed, most, flights);
+        }
+        for (int bounce = 1; !flights.empty(); ++bounce) {
+            std::vector<Flight> next;
+            for (size_t i = 0; i < flights.size(); i += kPacket) {
+                const size_t packet = std::min<size_t>(kPacket, flights.size() - i);
+                fly({&flights[i], packet}, bounce, batch.landed, next);
+            }
+            flights = std::move(next);
+        }
+    });
+    Traced all;
+    for (const Traced& batch : batches) {
+        all.landed.insert(all.landed.end(), batch.landed.begin(), batch.landed.end());
+        all.started += batch.started;
+    }
+    return all;
+}
+
+void PhotonTracer::fly(std::span<const Flight> flights, int bounce, std::vector<Landed>& landed,
                        std::vector<Flight>& next) const {
     vec3 origins[kPacket];
     vec3 directions[kPacket];
@@ -363,8 +295,9 @@ void PhotonTracer::fly(std::span<const Flight> flights, int bounce, const Land& 
         const Scatterer surface = scattererAt(scene_, p);
         const bool specular = isSpecular(surface.brdf);
         if ((!specular || surface.brdf.diffuse != vec3(0.0f)) && seen_.contains(p.position)) {
-            land(Photon{.position = p.position, .wi = p.wo, .n_g = p.n_g, .power = flight.power},
-                 flight.start);
+            landed.push_back(
+                {{.position = p.position, .wi = p.wo, .n_g = p.n_g, .power = flight.power},
+                 flight.part});
         }
         if (!specular || bounce >= bounces_) {
             continue;
@@ -430,50 +363,29 @@ std::vector<Photon> traceCaustics(const Tracer& tracer, const LampSampler& lamps
                                   const SeenSpace& seen, int count, int bounces) {
     const Scene& scene = tracer.scene();
     const bool lit = !scene.lights.empty() || !lamps.empty() || !scene.environment.empty();
-    Starts starts = lit && !seen.empty() ? findStarts(scene) : Starts{};
-    if (starts.patches.empty() || bounces < 1) {
+    if (!lit || seen.empty() || bounces < 1) {
+        return {};
+    }
+    PhotonStarts starts(scene);
+    if (starts.empty()) {
         return {};
     }
     const PhotonTracer photons(tracer, lamps, seen, bounces);
-    constexpr int kBatch = 1024;
-    const auto batches = [&](int all, const auto& trace) {
-        const int batch_count = (all + kBatch - 1) / kBatch;
-        parallelFor(batch_count, [&](int batch) {
-            trace(static_cast<size_t>(batch), batch * kBatch, std::min((batch + 1) * kBatch, all));
-        });
-        return static_cast<size_t>(batch_count);
-    };
-
-    // What starts on each part brings, squared: were all photons of a part alike, the error would
-    // be least where they are as many as that of one is large [Ney34].
-    const int pilots = std::max(count / kPilots, kBatch);
-    struct Found {
-        size_t part;
-        double light;
-    };
-    std::vector<std::vector<Found>> found(static_cast<size_t>((pilots + kBatch - 1) / kBatch));
-    batches(pilots, [&](size_t batch, int first, int last) {
-        photons.trace(starts, first, last, pilots, 1, [&](const Photon& photon, size_t part) {
-            found[batch].push_back({part, luminance(photon.power)});
-        });
-    });
-    std::vector<double> squares(kParts, 0.0);
-    for (const std::vector<Found>& of_batch : found) {
-        for (const Found& f : of_batch) {
-            squares[f.part] += f.light * f.light;
+    uint32_t seed = 0;
+    double most = std::numeric_limits<double>::infinity();
+    for (const int part : kPilots) {
+        const PhotonTracer::Traced pilots = photons.traceAll(starts, count / part, ++seed, most);
+        std::vector<double> light(starts.partCount());
+        for (const Landed& photon : pilots.landed) {
+            light[photon.part] += luminance(photon.power);
         }
+        starts.heed(light);
+        most = kMostPower * pilots.started / count;
     }
-    starts.heed(squares);
-
-    std::vector<std::vector<Photon>> landed(static_cast<size_t>((count + kBatch - 1) / kBatch));
-    batches(count, [&](size_t batch, int first, int last) {
-        photons.trace(starts, first, last, count, 2,
-                      [&](const Photon& photon, size_t) { landed[batch].push_back(photon); });
-    });
+    const std::vector<Landed> landed = photons.traceAll(starts, count, ++seed, most).landed;
     std::vector<Photon> result;
-    for (const std::vector<Photon>& of_batch : landed) {
-        result.insert(result.end(), of_batch.begin(), of_batch.end());
-    }
+    result.reserve(landed.size());
+    result.assign(landed.begin(), landed.end());  // without their parts
     return result;
 }
 

@@ -4,19 +4,18 @@
 #include <cmath>
 
 #include "core/directions.h"
-#include "rays/tracer.h"
 
 namespace sheen {
 namespace {
 
 // So many photons are asked at the most, over the power 2/3 of their number: both the area that
 // they lie on and their noise then go to zero as there are more [HJ09, KD13].
-constexpr double kMost = 0.06;
+constexpr double kMost = 0.15;
 // And at least one of so many of these.
 constexpr size_t kLadder = 16;
 constexpr size_t kLeast = 8;
 // Estimates that differ by more standard deviations than this do so for a reason.
-constexpr float kDeviations = 1.5f;
+constexpr float kDeviations = 2.5f;
 // Photons on surfaces that are turned by more, or that lie higher over the tangent plane, by these
 // cosines, are of another surface.
 constexpr float kTurned = 0.7f;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rays/surface_point.h"
+#include "rays/tracer.h"
 
 namespace sheen {
 

@@ -49,7 +49,7 @@ struct RenderParams {
     /// Photons by which it is found what specular surfaces make of lights (Frame::caustic); more
     /// are better. 0: that is part of the indirect light. The reference, which has no photons,
     /// keeps it apart as well. No cost where a scene has no such surfaces.
-    int caustics = 500'000;
+    int caustics = 1'000'000;
     // The path tracer, plain and denoised.
     int spp = 256;  ///< paths a pixel, over all replicates
     uint32_t seed = 0;
