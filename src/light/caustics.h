@@ -23,7 +23,7 @@ class SeenSpace {
     bool contains(const vec3& p) const;
 
   private:
-    static constexpr int kCells = 32;  // along the longest side
+    static constexpr int kCells = 16;  // along the longest side
 
     ivec3 cellOf(const vec3& p) const;
 

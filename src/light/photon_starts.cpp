@@ -13,7 +13,7 @@ namespace {
 // two sides.
 constexpr float kCellShare = 1.0f / 64.0f;
 constexpr size_t kMostCells = 1u << 18u;
-constexpr size_t kMostParts = 4096;
+constexpr size_t kMostParts = 1024;
 // A share of the photons starts anywhere.
 constexpr double kAnywhere = 0.2;
 
