@@ -129,6 +129,7 @@ void sweep(const std::vector<std::string>& arguments) {
     params.height = truth.height;
     params.quiet = true;
     params.bounces = 1;
+    params.caustics = 0;
     std::optional<Setting> searched;
     for (size_t i = 2; i < arguments.size(); ++i) {
         const Setting setting = parseSetting(arguments[i]);

@@ -67,6 +67,7 @@ TEST_P(Accuracy, IsNotWorseThanItWas) {
     params.height = truth.height;
     params.camera = row.camera;
     params.bounces = 1;
+    params.caustics = 0;
     params.placement.accuracy = row.accuracy;
     params.quiet = true;
     const RenderResult result = renderFrame(loadNamed(row.scene), params);

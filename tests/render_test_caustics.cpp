@@ -74,7 +74,6 @@ void expectAlike(const Scene& scene, int bounces) {
                                         rest(truth, truth.indirect_variance));
     EXPECT_LT(indirect.rel_rmse, kIndirectRmse);
     EXPECT_LT(std::abs(indirect.bias), kIndirectBias);
-    printf("%g %g  %g %g\n", caustic.rel_rmse, caustic.bias, indirect.rel_rmse, indirect.bias);
     // What is told apart is a good part of it.
     const Means means = meansOf(truth);
     EXPECT_GT(means.caustic, 0.03 * means.indirect);

@@ -1,6 +1,6 @@
 // Light that specular surfaces alone send from lights, lamps and the sky to surfaces that are not
 // specular: photons that start where lights reach specular surfaces, and follow their lobes.
-// Based on: [Jen96], with photons aimed by what a first part of them found [Jen95, PP98].
+// Based on: [Jen96], with photons aimed by what a first part of them found [PP98].
 #pragma once
 
 #include <vector>

@@ -9,7 +9,7 @@ namespace sheen {
 namespace {
 
 // So many photons are asked at the most, over the power 2/3 of their number: both the area that
-// they lie on and their noise then go to zero as there are more [HJ09, KD13].
+// they lie on and their noise then go to zero as there are more [KD13].
 constexpr double kMost = 0.3;
 // And at least one of so many of these.
 constexpr size_t kLadder = 16;
