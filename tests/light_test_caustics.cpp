@@ -23,9 +23,9 @@ struct Floor {
 
     std::vector<vec3> irradiance(int photons, int bounces = kAllBounces) const {
         const Tracer tracer(scene);
-        const LampSampler lamps(tracer);
+        const SceneLights lights(tracer);
         const SeenSpace space(points);
-        const PhotonMap map(traceCaustics(tracer, lamps, space, photons, bounces), space.reach());
+        const PhotonMap map(traceCaustics(tracer, lights, space, photons, bounces), space.reach());
         std::vector<vec3> found;
         for (const vec3& p : points) {
             const SurfaceSide side{.position = p,
@@ -185,18 +185,18 @@ TEST(Caustics, AreNoneWithoutSpecularSurfacesOrLight) {
     constexpr int kPhotons = 20'000;
     Scene scene = mirrorOnFloor();
     const Tracer tracer(scene);
-    const LampSampler lamps(tracer);
+    const SceneLights lights(tracer);
     const SeenSpace space(std::vector<vec3>{vec3(-1, 0, 0), vec3(-2, 0, 0)});
-    EXPECT_FALSE(traceCaustics(tracer, lamps, space, kPhotons, kAllBounces).empty());
-    EXPECT_TRUE(
-        traceCaustics(tracer, lamps, SeenSpace(std::vector<vec3>()), kPhotons, kAllBounces).empty());
-    EXPECT_TRUE(traceCaustics(tracer, lamps, space, kPhotons, 0).empty());
+    EXPECT_FALSE(traceCaustics(tracer, lights, space, kPhotons, kAllBounces).empty());
+    EXPECT_TRUE(traceCaustics(tracer, lights, SeenSpace(std::vector<vec3>()), kPhotons, kAllBounces)
+                    .empty());
+    EXPECT_TRUE(traceCaustics(tracer, lights, space, kPhotons, 0).empty());
     scene.lights.clear();
-    EXPECT_TRUE(traceCaustics(tracer, lamps, space, kPhotons, kAllBounces).empty());
+    EXPECT_TRUE(traceCaustics(tracer, lights, space, kPhotons, kAllBounces).empty());
     Scene rough = mirrorOnFloor();
     rough.materials.back().params.roughness = 0.5f;
     const Tracer in_rough(rough);
-    EXPECT_TRUE(traceCaustics(in_rough, lamps, space, kPhotons, kAllBounces).empty());
+    EXPECT_TRUE(traceCaustics(in_rough, lights, space, kPhotons, kAllBounces).empty());
 }
 
 // Whatever the scene's unit.

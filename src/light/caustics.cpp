@@ -49,10 +49,11 @@ struct Landed : Photon {
 
 class PhotonTracer {
   public:
-    PhotonTracer(const Tracer& tracer, const LampSampler& lamps, const SeenSpace& seen, int bounces)
+    PhotonTracer(const Tracer& tracer, const SceneLights& lights, const SeenSpace& seen,
+                 int bounces)
         : tracer_(tracer),
           scene_(tracer.scene()),
-          lamps_(lamps),
+          lights_(lights),
           sky_(scene_.environment),
           seen_(seen),
           bounces_(bounces) {}
@@ -84,7 +85,7 @@ class PhotonTracer {
 
     const Tracer& tracer_;
     const Scene& scene_;
-    const LampSampler& lamps_;
+    const SceneLights& lights_;
     SkySampler sky_;
     const SeenSpace& seen_;
     int bounces_;
@@ -118,13 +119,19 @@ PhotonTracer::Offered PhotonTracer::offered(const SurfaceSide& side, const vec3&
             u = (u - share) / (1.0 - share);
         }
     };
-    for (const PunctualLight& light : scene_.lights) {
+    for (const PunctualLight& light : lights_.punctual.each()) {
         const LightSample s = shared::sampleLight(light, side.position);
         offer(s.wi, s.irradiance, [&] { return wayTo(light, s, side.start()); });
     }
-    if (!lamps_.empty()) {
-        const vec3 numbers(randomPlace(seed, kLampPoint), randomPlace(seed, kLamp).x);
-        if (const auto s = lamps_.sample(side, n, vec3(numbers.z, numbers.x, numbers.y))) {
+    const vec2 which = randomPlace(seed, kLamp);
+    if (!lights_.punctual.empty()) {
+        if (const auto s = lights_.punctual.sample(side, n, which.y)) {
+            offer(s->light.wi, s->light.irradiance, [&] { return s->way; });
+        }
+    }
+    if (!lights_.lamps.empty()) {
+        if (const auto s =
+                lights_.lamps.sample(side, n, vec3(which.x, randomPlace(seed, kLampPoint)))) {
             offer(s->wi, s->radiance / s->density, [&] { return s->way; });
         }
     }
@@ -359,10 +366,10 @@ bool SeenSpace::contains(const vec3& p) const {
     return filled_[static_cast<size_t>((c.z * counts_.y + c.y) * counts_.x + c.x)] != 0;
 }
 
-std::vector<Photon> traceCaustics(const Tracer& tracer, const LampSampler& lamps,
+std::vector<Photon> traceCaustics(const Tracer& tracer, const SceneLights& lights,
                                   const SeenSpace& seen, int count, int bounces) {
     const Scene& scene = tracer.scene();
-    const bool lit = !scene.lights.empty() || !lamps.empty() || !scene.environment.empty();
+    const bool lit = !scene.lights.empty() || !lights.lamps.empty() || !scene.environment.empty();
     if (!lit || seen.empty() || bounces < 1) {
         return {};
     }
@@ -370,7 +377,7 @@ std::vector<Photon> traceCaustics(const Tracer& tracer, const LampSampler& lamps
     if (starts.empty()) {
         return {};
     }
-    const PhotonTracer photons(tracer, lamps, seen, bounces);
+    const PhotonTracer photons(tracer, lights, seen, bounces);
     uint32_t seed = 0;
     double most = std::numeric_limits<double>::infinity();
     for (const int part : kPilots) {

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "light/lamps.h"
 #include "light/photon_map.h"
+#include "light/scene_lights.h"
 
 namespace sheen {
 
@@ -36,7 +36,7 @@ class SeenSpace {
 /// `count` photons that leave lights and meet specular surfaces, from 1 to `bounces` of them; those
 /// that then lie in `seen` on a surface that is not, or not only, specular. The same for any number
 /// of threads. None where nothing is specular or nothing shines.
-std::vector<Photon> traceCaustics(const Tracer& tracer, const LampSampler& lamps,
+std::vector<Photon> traceCaustics(const Tracer& tracer, const SceneLights& lights,
                                   const SeenSpace& seen, int count, int bounces);
 
 }  // namespace sheen

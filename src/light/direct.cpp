@@ -18,17 +18,47 @@ Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
                      .f90 = gbuffer.f90.pixels[i]}};
 }
 
+// Of many lights, for a sample of a pixel.
+constexpr size_t kSampleParts = ManyLights::kParts / 4;
+
+vec3 manyLights(const Tracer& tracer, const ManyLights& lights, const LitPoint& point, size_t parts,
+                uint32_t seed) {
+    vec3 sum(0.0f);
+    vec3 light[Tracer::kPacket];
+    Way ways[Tracer::kPacket];
+    size_t count = 0;
+    const auto flush = [&] {
+        const Tracer::Shares passing = tracer.passing({ways, count});
+        for (size_t k = 0; k < count; ++k) {
+            sum += passing[k] > 0.0f ? passing[k] * light[k] : vec3(0.0f);
+        }
+        count = 0;
+    };
+    lights.forEachPart(point.side, point.surface.n, parts, seed, [&](const ManyLights::Sample& s) {
+        light[count] = scattered(point.surface, point.side.toward_viewer, s.light);
+        ways[count++] = s.way;
+        if (count == Tracer::kPacket) {
+            flush();
+        }
+    });
+    flush();
+    return sum;
+}
+
 }  // namespace
 
-Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer,
+Image<vec3> traceDirect(const Tracer& tracer, const SceneLights& lights, const GBuffer& gbuffer,
                         std::span<const uint32_t> rows_of) {
     constexpr int kPacket = Tracer::kPacket;
     const Scene& scene = tracer.scene();
     const PixelGrid& image = gbuffer.image;
+    const size_t parts = rows_of.empty() ? ManyLights::kParts : kSampleParts;
     Image<vec3> direct(image.width, image.height);
     parallelFor(image.height, [&](int y) {
         size_t pixels[kPacket];
         SurfaceSide points[kPacket];
+        const uint32_t row =
+            rows_of.empty() ? static_cast<uint32_t>(y) : rows_of[static_cast<size_t>(y)];
         for (int x = 0; x < image.width;) {
             // The row's next pixels that see something.
             size_t count = 0;
@@ -40,7 +70,7 @@ Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GB
                 pixels[count] = i;
                 points[count++] = gbuffer.sideAt(scene, i);
             }
-            for (const PunctualLight& light : scene.lights) {
+            for (const PunctualLight& light : lights.punctual.each()) {
                 const Tracer::Shares shares = reaching(tracer, light, {points, count});
                 for (size_t k = 0; k < count; ++k) {
                     if (shares[k] == 0.0f) {
@@ -52,9 +82,16 @@ Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GB
                                               shared::sampleLight(light, points[k].position));
                 }
             }
+            for (size_t k = 0; k < count && !lights.punctual.empty(); ++k) {
+                const LitPoint point{.side = points[k], .surface = scattererAt(gbuffer, pixels[k])};
+                const auto column = static_cast<uint32_t>(pixels[k] - image.index(0, y));
+                direct.pixels[pixels[k]] +=
+                    manyLights(tracer, lights.punctual, point, parts,
+                               row * static_cast<uint32_t>(image.width) + column);
+            }
         }
     });
-    if (lamps.empty()) {
+    if (lights.lamps.empty()) {
         return direct;
     }
     const auto pointAt = [&](int x, int y) -> std::optional<LitPoint> {
@@ -65,7 +102,7 @@ Image<vec3> traceDirect(const Tracer& tracer, const LampSampler& lamps, const GB
         return LitPoint{.side = gbuffer.sideAt(scene, i), .surface = scattererAt(gbuffer, i)};
     };
     const Image<vec3> of_lamps =
-        lampLight(tracer, lamps, image.width, image.height, rows_of, pointAt);
+        lampLight(tracer, lights.lamps, image.width, image.height, rows_of, pointAt);
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
         direct.pixels[i] += of_lamps.pixels[i];
     }

@@ -29,7 +29,8 @@ struct LightCells::LitTriangle {
     std::vector<Cell> cells[2];
 };
 
-LightCells::LightCells(const Tracer& tracer, const std::vector<Bounds>& near) {
+LightCells::LightCells(const Tracer& tracer, std::span<const PunctualLight> lights,
+                       const std::vector<Bounds>& near) {
     const std::vector<uint32_t> n = gridDivisions(tracer.scene(), near, kLengthOfSize, kBudget);
     const size_t count = n.size();
     std::vector<LitTriangle> lit(count);
@@ -37,7 +38,7 @@ LightCells::LightCells(const Tracer& tracer, const std::vector<Bounds>& near) {
         static_cast<int>(count),
         [&](int i) {
             const auto t = static_cast<size_t>(i);
-            lit[t] = light(tracer, static_cast<uint32_t>(i), n[t]);
+            lit[t] = light(tracer, lights, static_cast<uint32_t>(i), n[t]);
         },
         16);
     sides_.reserve(2 * count);
@@ -52,7 +53,9 @@ LightCells::LightCells(const Tracer& tracer, const std::vector<Bounds>& near) {
     }
 }
 
-LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, uint32_t n) {
+LightCells::LitTriangle LightCells::light(const Tracer& tracer,
+                                          std::span<const PunctualLight> lights, uint32_t index,
+                                          uint32_t n) {
     const Scene& scene = tracer.scene();
     const TriangleEdges triangle(scene, index);
     const TriangleGrid grid{n};
@@ -60,14 +63,14 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
     const vec3 front = geometricNormal(scene, static_cast<int>(index));
     const Material& material = scene.materials[scene.materials_of[index]];
     const bool lambertian = isLambertian(material.params);
-    const size_t light_count = std::min(scene.lights.size(), kOtherLights);
+    const size_t light_count = std::min(lights.size(), kOtherLights);
     const auto others =
-        static_cast<uint16_t>(scene.lights.size() > kOtherLights ? bit(kOtherLights) : 0u);
+        static_cast<uint16_t>(lights.size() > kOtherLights ? bit(kOtherLights) : 0u);
 
     // A plane has a light on one side.
     uint32_t facing[2] = {0, 0};
     for (size_t l = 0; l < light_count; ++l) {
-        const vec3 wi = shared::sampleLight(scene.lights[l], triangle.p0).wi;
+        const vec3 wi = shared::sampleLight(lights[l], triangle.p0).wi;
         facing[glm::dot(front, wi) > 0.0f ? 0 : 1] |= bit(l);
     }
 
@@ -88,7 +91,7 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
                                  .toward_viewer = vec3(0.0f),
                                  .offset = surfaceOffset(scene, index, position, front, edge)};
                 }
-                const Tracer::Shares shares = reaching(tracer, scene.lights[l], {points, count});
+                const Tracer::Shares shares = reaching(tracer, lights[l], {points, count});
                 for (size_t k = 0; k < count; ++k) {
                     result.some[first + k] |= shares[k] > 0.0f ? bit(l) : 0u;
                     result.whole[first + k] |= shares[k] == 1.0f ? bit(l) : 0u;
@@ -140,7 +143,7 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer, uint32_t index, 
                 if ((lit & bit(l)) == 0) {
                     continue;
                 }
-                const LightSample sample = shared::sampleLight(scene.lights[l], p.position);
+                const LightSample sample = shared::sampleLight(lights[l], p.position);
                 if (sample.distance >= 0.0f && sample.distance < kNearEdges * edge) {
                     cell.shade |= static_cast<uint16_t>(bit(l));
                 } else {

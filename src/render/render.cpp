@@ -432,7 +432,8 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
         case Method::kIrradiance: {
             if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
                 throwUsage(
-                    "--environment: records that are rasterised see no sky; use --gather ray");
+                    "--gather: records that are rasterised see no sky; use --gather ray, or "
+                    "--environment none");
             }
             if (params.gather_road == GatherRoad::kRaster && params.bounces != 1) {
                 throwUsage("--bounces: records that are rasterised have 1; use --gather ray");

@@ -23,7 +23,7 @@ struct SceneState {
     const bool specular;  // some surface is
     gl::WorkerPool pool;
     Tracer tracer;
-    LampSampler lamps;
+    SceneLights lights;
     std::optional<ScatteredOnce> outgoing;  // what rays see of one bounce
     GpuScene gpu;                           // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes

@@ -92,7 +92,10 @@ Scene loadScene(const std::string& path, const LoadParams& params) {
     gltf::noteIgnoredParts(file);
     gltf::listFeatures(file, scene);
     std::vector<std::string> sky_warnings;
-    scene.environment = loadEnvironment(environment, file.read, sky_warnings);
+    scene.environment = environment.source.empty()
+                            ? gltf::loadSky(file)
+                            : loadEnvironment(environment, file.read, sky_warnings);
+    scene.environment.visible = !environment.transparent;
     for (const std::string& warning : sky_warnings) {
         file.notes.add(warning);
     }
@@ -101,7 +104,8 @@ Scene loadScene(const std::string& path, const LoadParams& params) {
         scene.light_names.push_back("sun");
         file.notes.add(fmt::format(
             "{}: its sun, {:.3g} lux, is taken out of the image and shines as a directional light",
-            environment.source, luminance(sun->intensity)));
+            environment.source.empty() ? "the file's sky" : environment.source,
+            luminance(sun->intensity)));
     }
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");

@@ -63,32 +63,6 @@ TextureImage storedImage(DecodedImage image) {
     return stored;
 }
 
-// Index into Scene::images; -1, with a note, where it cannot be read.
-int loadImage(File& file, int index, Scene& scene) {
-    const EncodedImage& source = file.images[static_cast<size_t>(index)];
-    const std::string where = label("image", static_cast<size_t>(index), source.name);
-    if (!source.content.missing.empty()) {
-        file.notes.add(
-            fmt::format("{}: materials shown without it: {}", where, source.content.missing));
-        return -1;
-    }
-    const ByteSpan bytes = source.buffer_view >= 0
-                               ? bufferViewBytes(file, source.buffer_view, where)
-                               : ByteSpan{source.content.bytes.data(), source.content.bytes.size()};
-    const std::span<const uint8_t> encoded(bytes.data, bytes.size);
-    try {
-        checkImage(file, readImageHeader(encoded), bytes.size, where);
-        scene.images.push_back(storedImage(decodeImage(encoded)));
-    } catch (const DecodeError& error) {
-        file.notes.add(
-            fmt::format("{}: it cannot be decoded: {}: materials shown without it; use "
-                        "an intact PNG or JPEG",
-                        where, oneLine(error.what())));
-        return -1;
-    }
-    return static_cast<int>(scene.images.size()) - 1;
-}
-
 vec2 pairMember(const File& file, const tinygltf::Value& object, const char* key,
                 const vec2& fallback, const std::string& where) {
     if (!object.Has(key)) {
@@ -117,6 +91,30 @@ void readTransform(const File& file, const tinygltf::Value& extension, const std
 
 }  // namespace
 
+std::optional<TextureImage> loadImage(File& file, int index, const char* shown) {
+    const EncodedImage& source = file.images[static_cast<size_t>(index)];
+    const std::string where = label("image", static_cast<size_t>(index), source.name);
+    if (!source.content.missing.empty()) {
+        file.notes.add(
+            fmt::format("{}: {} shown without it: {}", where, shown, source.content.missing));
+        return std::nullopt;
+    }
+    const ByteSpan bytes = source.buffer_view >= 0
+                               ? bufferViewBytes(file, source.buffer_view, where)
+                               : ByteSpan{source.content.bytes.data(), source.content.bytes.size()};
+    const std::span<const uint8_t> encoded(bytes.data, bytes.size);
+    try {
+        checkImage(file, readImageHeader(encoded), bytes.size, where);
+        return storedImage(decodeImage(encoded));
+    } catch (const DecodeError& error) {
+        file.notes.add(
+            fmt::format("{}: it cannot be decoded: {}: {} shown without it; use "
+                        "an intact PNG or JPEG",
+                        where, oneLine(error.what()), shown));
+        return std::nullopt;
+    }
+}
+
 TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const std::string& where) {
     TextureInfo info;
     info.index = integerMember(file, object, "index", -1, where);
@@ -141,7 +139,10 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     file_.at(file_.images, source.source, where, "image");
     const auto [image, is_new] = images_.try_emplace(source.source, -1);
     if (is_new) {
-        image->second = loadImage(file_, source.source, scene_);
+        if (auto loaded = loadImage(file_, source.source, "materials")) {
+            scene_.images.push_back(std::move(*loaded));
+            image->second = static_cast<int>(scene_.images.size()) - 1;
+        }
     }
     Texture texture{.image = image->second, .srgb = srgb};
     if (source.sampler != -1) {
