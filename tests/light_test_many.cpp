@@ -62,6 +62,17 @@ float irradianceOf(const Scene& scene, const vec3& p, const vec3& n) {
     return sum;
 }
 
+// A box of side 2 with a lamp under its ceiling and something that hides a part of it.
+Scene roomWithALamp() {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.7f)));
+    addBox(scene, vec3(-1), vec3(1), {white, white, white, white, white, white}, true);
+    addBox(scene, vec3(-0.3f), vec3(0.1f), white, false);
+    addQuad(scene, vec3(-0.3f, 0.9f, -0.3f), vec3(0.6f, 0, 0), vec3(0, 0, 0.6f),
+            addMaterial(scene, diffuseParams(vec3(0.0f), vec3(5.0f))));
+    return scene;
+}
+
 TEST(ManyLights, FewAreAskedOneByOne) {
     Scene scene = underLights(static_cast<int>(ManyLights::kFew));
     EXPECT_EQ(ManyLights(scene).each().size(), ManyLights::kFew);
@@ -251,6 +262,32 @@ TEST(ScatteredOnce, CellsKeepTheSkysLight) {
         EXPECT_NEAR(seen.y, 1.0f, 1e-3f);
         EXPECT_NEAR(seen.z, 1.5f, 1e-3f);
     }
+}
+
+// Whichever ray asks a cell first, from near or from afar, all are told the same.
+TEST(ScatteredOnce, CellsSayTheSameWhicheverRayAsksFirst) {
+    const Scene scene = roomWithALamp();
+    const Tracer tracer(scene);
+    const SceneLights lights(tracer);
+    const vec3 ways[] = {glm::normalize(vec3(0.3f, -1, 0.1f)), -kUp};
+    vec4 first[2], last[2];
+    for (const bool turned : {false, true}) {
+        const ScatteredOnce light(tracer, &lights, {});
+        vec4* seen = turned ? last : first;
+        for (int i = 0; i < 2; ++i) {
+            const int k = turned ? 1 - i : i;
+            // Both meet the floor in one point.
+            const vec3 origin = vec3(0.101f, -1, 0.203f) - (k == 0 ? 1.7f : 0.4f) * ways[k];
+            const float angle = 0.02f;
+            light.cast({.origin = origin, .directions = {&ways[k], 1}, .solid_angles = {&angle, 1}},
+                       &seen[k]);
+        }
+    }
+    for (int k = 0; k < 2; ++k) {
+        EXPECT_EQ(first[k], last[k]);
+        EXPECT_GT(first[k].x, 0.0f);
+    }
+    EXPECT_EQ(first[0].x, first[1].x) << "of one cell";
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ Scatterer scattererAt(const GBuffer& gbuffer, size_t i) {
 }
 
 // Of many lights, for a sample of a pixel.
-constexpr size_t kSampleParts = ManyLights::kParts / 4;
+constexpr size_t kSampleParts = ManyLights::kParts / 8;
 
 vec3 manyLights(const Tracer& tracer, const ManyLights& lights, const LitPoint& point, size_t parts,
                 uint32_t seed) {
@@ -45,51 +45,58 @@ vec3 manyLights(const Tracer& tracer, const ManyLights& lights, const LitPoint& 
     return sum;
 }
 
+// Adds what punctual lights send by way of a row's pixels; `seed`: of its first one.
+void addPunctual(const Tracer& tracer, const ManyLights& lights, const GBuffer& gbuffer, int y,
+                 size_t parts, uint32_t seed, Image<vec3>& direct) {
+    constexpr int kPacket = Tracer::kPacket;
+    const PixelGrid& image = gbuffer.image;
+    size_t pixels[kPacket];
+    SurfaceSide points[kPacket];
+    for (int x = 0; x < image.width;) {
+        // The row's next pixels that see something.
+        size_t count = 0;
+        for (; x < image.width && count < kPacket; ++x) {
+            const size_t i = image.index(x, y);
+            if (!gbuffer.seen(i)) {
+                continue;
+            }
+            pixels[count] = i;
+            points[count++] = gbuffer.sideAt(tracer.scene(), i);
+        }
+        for (const PunctualLight& light : lights.each()) {
+            const Tracer::Shares shares = reaching(tracer, light, {points, count});
+            for (size_t k = 0; k < count; ++k) {
+                if (shares[k] == 0.0f) {
+                    continue;
+                }
+                const size_t i = pixels[k];
+                direct.pixels[i] +=
+                    shares[k] * scattered(scattererAt(gbuffer, i), points[k].toward_viewer,
+                                          shared::sampleLight(light, points[k].position));
+            }
+        }
+        for (size_t k = 0; k < count && !lights.empty(); ++k) {
+            const size_t i = pixels[k];
+            const LitPoint point{.side = points[k], .surface = scattererAt(gbuffer, i)};
+            direct.pixels[i] += manyLights(tracer, lights, point, parts,
+                                           seed + static_cast<uint32_t>(i - image.index(0, y)));
+        }
+    }
+}
+
 }  // namespace
 
 Image<vec3> traceDirect(const Tracer& tracer, const SceneLights& lights, const GBuffer& gbuffer,
                         std::span<const uint32_t> rows_of) {
-    constexpr int kPacket = Tracer::kPacket;
     const Scene& scene = tracer.scene();
     const PixelGrid& image = gbuffer.image;
     const size_t parts = rows_of.empty() ? ManyLights::kParts : kSampleParts;
     Image<vec3> direct(image.width, image.height);
     parallelFor(image.height, [&](int y) {
-        size_t pixels[kPacket];
-        SurfaceSide points[kPacket];
         const uint32_t row =
             rows_of.empty() ? static_cast<uint32_t>(y) : rows_of[static_cast<size_t>(y)];
-        for (int x = 0; x < image.width;) {
-            // The row's next pixels that see something.
-            size_t count = 0;
-            for (; x < image.width && count < kPacket; ++x) {
-                const size_t i = image.index(x, y);
-                if (!gbuffer.seen(i)) {
-                    continue;
-                }
-                pixels[count] = i;
-                points[count++] = gbuffer.sideAt(scene, i);
-            }
-            for (const PunctualLight& light : lights.punctual.each()) {
-                const Tracer::Shares shares = reaching(tracer, light, {points, count});
-                for (size_t k = 0; k < count; ++k) {
-                    if (shares[k] == 0.0f) {
-                        continue;
-                    }
-                    const size_t i = pixels[k];
-                    direct.pixels[i] +=
-                        shares[k] * scattered(scattererAt(gbuffer, i), points[k].toward_viewer,
-                                              shared::sampleLight(light, points[k].position));
-                }
-            }
-            for (size_t k = 0; k < count && !lights.punctual.empty(); ++k) {
-                const LitPoint point{.side = points[k], .surface = scattererAt(gbuffer, pixels[k])};
-                const auto column = static_cast<uint32_t>(pixels[k] - image.index(0, y));
-                direct.pixels[pixels[k]] +=
-                    manyLights(tracer, lights.punctual, point, parts,
-                               row * static_cast<uint32_t>(image.width) + column);
-            }
-        }
+        addPunctual(tracer, lights.punctual, gbuffer, y, parts,
+                    row * static_cast<uint32_t>(image.width), direct);
     });
     if (lights.lamps.empty()) {
         return direct;

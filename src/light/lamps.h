@@ -38,7 +38,7 @@ class LampSampler {
     /// Whether irradiance() is known: lamps are not too many, and each shines alike all over.
     bool plain() const { return plain_; }
     /// What all lamps would bring to a surface if nothing were in the way, but those that are
-    /// seldom seen from so far (Sample::within_reach). [Lam1760, via Arv95 for polygons]
+    /// seldom seen from so far (Sample::within_reach). [Arv95]
     vec3 irradiance(const SurfaceSide& surface, const vec3& n) const;
 
     /// Sample::within_reach of the point of a lamp that a ray from there met.

@@ -196,13 +196,15 @@ ScatteredOnce::Asked ScatteredOnce::pointAt(const Hit& hit, const vec2& uv, cons
 // where that depends on where it is seen from: the mean over places spread over it.
 vec3 ScatteredOnce::scatteredByCell(const Hit& hit, const IrradianceCells::Cell& cell) const {
     const vec3 front = geometricNormal(scene(), static_cast<int>(hit.triangle));
+    Hit seen = hit;  // from as far as the cell is long: whichever hit asks first finds the same
+    seen.distance = TriangleEdges(scene(), hit.triangle).longestEdge() * std::abs(cell.scale);
     const uint32_t seed = pcgHash(cell.cell + pcgHash(hit.triangle));
     vec3 sum(0.0f);
     for (uint32_t first = 0; first < kCellSamples; first += Tracer::kPacket) {
         std::array<Asked, Tracer::kPacket> points;
         for (uint32_t k = 0; k < Tracer::kPacket; ++k) {
             const vec2 uv = cell.spread(randomPlace(~seed, first + k));
-            points[k] = pointAt(hit, uv, hit.back ? -front : front);
+            points[k] = pointAt(seen, uv, hit.back ? -front : front);
             if (!lambertian(hit)) {
                 points[k].surface.brdf = {
                     .diffuse = vec3(1.0f), .alpha = 1.0f, .f0 = vec3(0.0f), .f90 = 0.0f};
