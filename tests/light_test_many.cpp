@@ -1,6 +1,7 @@
 // Many punctual lights, what lamps bring without shadows, and what cells keep of both.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -194,6 +195,30 @@ TEST(ManyLights, LightTheImageAsOneByOne) {
     EXPECT_LT(std::sqrt(difference / all), 0.01);
 }
 
+// More lights than parts, at pixels and at the samples of pixels: nothing is lost.
+TEST(ManyLights, PixelsOfMoreLightsThanPartsHaveTheirMean) {
+    Scene scene = underLights(700);
+    scene.cameras = {lookAt(vec3(0, 5, 0.1f), vec3(0.0f))};
+    const Tracer tracer(scene);
+    const SceneLights lights(tracer);
+    const GBuffer gbuffer = renderGBuffer(tracer, scene.cameras[0], 32, 32);
+    std::vector<uint32_t> rows(32);
+    std::iota(rows.begin(), rows.end(), 0u);
+    double expected = 0.0;
+    for (size_t i = 0; i < gbuffer.diffuse.pixels.size(); ++i) {
+        if (gbuffer.seen(i)) {
+            expected += irradianceOf(scene, gbuffer.sideAt(scene, i).position, kUp) * 0.8f / kPi;
+        }
+    }
+    for (const std::span<const uint32_t> rows_of : {std::span<const uint32_t>(), {rows}}) {
+        double sum = 0.0;
+        for (const vec3& pixel : traceDirect(tracer, lights, gbuffer, rows_of).pixels) {
+            sum += pixel.x;
+        }
+        EXPECT_NEAR(sum, expected, 0.01 * expected);
+    }
+}
+
 TEST(Lamps, IrradianceOfAnOpenSquareIsItsFormFactor) {
     const vec3 radiance(4, 2, 1);
     for (const float h : {0.01f, 0.5f, 3.0f}) {
@@ -218,13 +243,16 @@ TEST(Lamps, IrradianceOfAnOpenSquareIsItsFormFactor) {
     }
 }
 
-// No lamp is hidden: what arrives is known, and no pixel has noise.
+// No lamp is hidden: what arrives is known, and no pixel has noise, not even in the blue of a lamp
+// so weak that samples seldom meet it.
 TEST(Lamps, OpenLightHasNoNoise) {
     Scene scene;
     addQuad(scene, vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4),
             addMaterial(scene, diffuseParams(vec3(0.5f))));
     addQuad(scene, vec3(-1, 2, -1), vec3(2, 0, 0), vec3(0, 0, 2),
-            addMaterial(scene, diffuseParams(vec3(0.0f), vec3(3.0f))));
+            addMaterial(scene, diffuseParams(vec3(0.0f), vec3(3.0f, 1.0f, 0.0f))));
+    addQuad(scene, vec3(-1.9f, 1, -1), vec3(0.2f, 0, 0), vec3(0, 0, 0.2f),
+            addMaterial(scene, diffuseParams(vec3(0.0f), vec3(0.0f, 0.0f, 2.0f))));
     scene.cameras = {lookAt(vec3(0, 1.5f, 3), vec3(0.0f))};
     const Tracer tracer(scene);
     const SceneLights lights(tracer);
@@ -233,9 +261,11 @@ TEST(Lamps, OpenLightHasNoNoise) {
     int compared = 0;
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
         if (gbuffer.seen(i) && gbuffer.diffuse.pixels[i].x > 0.0f) {
-            const float expected =
-                lights.lamps.irradiance(gbuffer.sideAt(scene, i), kUp).x * 0.5f / kPi;
-            EXPECT_NEAR(direct.pixels[i].x, expected, 1e-4f * expected);
+            const vec3 expected =
+                lights.lamps.irradiance(gbuffer.sideAt(scene, i), kUp) * 0.5f / kPi;
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_NEAR(direct.pixels[i][c], expected[c], 1e-4f * expected[c]);
+            }
             ++compared;
         }
     }

@@ -231,7 +231,8 @@ TEST(Stability, CornersSeenFromClose) {
     // or rays begin beyond, is missing. By rays from a thousandth of the room's size; by raster
     // from a hundredth, whose near plane, 2e-5 of the size away (docs/conventions.md), else cuts
     // walls beside the pixels next to the edges: 11% are lost there.
-    // Rays see walls that lamps all around light once, by a sample each, whose noise leans to no
+    // Rays see walls that lamps all around light once, from so near that cells are too large and
+    // each has a sample of its own, whose noise leans to no
     // side and is a tenth at the most (root of the mean square); the raster sees them glow.
     constexpr float kAlbedo = 0.6f, kError = 0.01f, kNoise = 0.1f, kMean = 0.02f;
     for (const auto& [road, distance] :

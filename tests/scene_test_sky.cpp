@@ -1,4 +1,7 @@
 // The sky of a file: EXT_lights_image_based.
+#include <array>
+#include <cmath>
+
 #include "scene_test_gltf.h"
 
 namespace sheen {
@@ -59,7 +62,32 @@ TEST(FileSky, FacesLieWhereTheStandardSays) {
     expectColor(sky, {0.7f, -1, 0.1f}, {1, 1, 0});
     expectColor(sky, {-0.7f, -1, 0.1f}, {0, 0, 0});
     EXPECT_TRUE(scene.lights.empty()) << "no studio besides";
-    EXPECT_TRUE(scene.warnings.empty() || !warnsOf(scene, kExtension));
+    EXPECT_FALSE(warnsOf(scene, kExtension));
+}
+
+// A quarter of each face is white, in its upper left corner as seen from inside, with +y up; below
+// and above, with +z and -z up.
+TEST(FileSky, FacesStandUpright) {
+    GltfFile file = underCube();
+    scenes::Picture face{kSize, kSize, {}};
+    for (int i = 0; i < kSize * kSize; ++i) {
+        const bool white = i % kSize < kSize / 2 && i / kSize < kSize / 2;
+        face.pixels.push_back(white ? std::array<uint8_t, 3>{255, 255, 255}
+                                    : std::array<uint8_t, 3>{});
+    }
+    addPicture(file, face);
+    lightOf(file)["specularImages"] = Json::array({{6, 6, 6, 6, 6, 6}});
+    const Environment sky = file.load().environment;
+    // Middle of each face, its left and its up.
+    const vec3 frames[][3] = {
+        {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
+        {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}}, {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}},
+        {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}},  {{0, 0, -1}, {-1, 0, 0}, {0, 1, 0}}};
+    for (const auto& [middle, left, up] : frames) {
+        expectColor(sky, middle + 0.5f * left + 0.5f * up, vec3(1.0f));
+        expectColor(sky, middle - 0.5f * left + 0.5f * up, vec3(0.0f));
+        expectColor(sky, middle + 0.5f * left - 0.5f * up, vec3(0.0f));
+    }
 }
 
 TEST(FileSky, IsTurnedByItsRotation) {
@@ -116,7 +144,13 @@ TEST(FileSky, ABrokenOneIsLeftOutWithANote) {
     expectNoted(file, "face 3 has 1 x 1 texels");
     file = underCube();
     file.json["images"][2]["bufferView"] = file.addView<uint8_t>({1, 2, 3});
-    expectNoted(file, "the sky shown without it");
+    expectNoted(file, "the sky is left out");
+    file = underCube();
+    lightOf(file)["rotation"] = {0, 0, 0};
+    expectNoted(file, "four numbers");
+    file = underCube();
+    file.json["scenes"][0]["extensions"][kExtension]["light"] = 0.5;
+    expectNoted(file, "light");
     file = underCube();
     lightOf(file)["rotation"] = {0, 0, 0, 0};
     expectNoted(file, "rotation");

@@ -19,6 +19,8 @@ constexpr int kPacket = Tracer::kPacket;
 constexpr int kSamples[] = {16, 48, 192};
 constexpr int kAround = 2;
 constexpr float kDoubt = 0.02f;  // standard error over the mean from which on they disagree
+// Open light that they miss, over all of it, from which on they may have missed a lamp.
+constexpr float kMissed = 0.25f;
 
 // Lobes wider than this are left to the directions toward lamps, others are followed too.
 constexpr float kWideLobe = 0.35f;
@@ -35,9 +37,9 @@ struct Sum {
     vec3 light{0.0f};      // radiance, but for the share of `open` that arrives
     float squares = 0.0f;  // of its luminance
     // Where what lamps bring without shadows is known, samples tell which share of it arrives: what
-    // they would bring, what they do, and by luminance these squared and multiplied.
+    // they would bring, what they do, and by luminance these and `light` squared and multiplied.
     vec3 open{0.0f}, arriving{0.0f};
-    float open2 = 0.0f, arriving2 = 0.0f, both = 0.0f;
+    float open2 = 0.0f, arriving2 = 0.0f, both = 0.0f, with_open = 0.0f, with_arriving = 0.0f;
     int count = 0;
     int hidden = 0;  // ways that were not free, to lamps within reach
     int free = 0;
@@ -64,7 +66,9 @@ class PixelLamps {
         lobe_ = brdf.alpha < kWideLobe && luminance(brdf.f0) + brdf.f90 > 0.0f && wo_.z > 0.0f;
         if (lamps.plain()) {
             open_ = lamps.irradiance(point.side, point.surface.n) * brdf.diffuse / kPi;
-            return;
+            if (brdf.f90 == 0.0f) {
+                return;  // nothing is left to follow
+            }
         }
         float angle = 0.0f;
         for (uint32_t i = 0; i < kLookSamples; ++i) {
@@ -78,8 +82,9 @@ class PixelLamps {
     // Adds samples first to first + count of the pixel's sequence.
     void add(int first, int count, Sum& sum) const {
         for (int i = first; i < first + count; i += kPacket) {
-            vec3 light[kPacket];
-            addTowardLamps(i, light, sum);
+            vec3 light[kPacket], open[kPacket];
+            float shares[kPacket];
+            addTowardLamps(i, light, open, shares, sum);
             if (lobe_) {
                 addFollowed(i, light, [this](const vec2& u) {
                     const vec3 h = sampleGgxVisibleNormal(wo_, point_.surface.brdf.alpha, u);
@@ -89,42 +94,50 @@ class PixelLamps {
             if (large_) {
                 addFollowed(i, light, cosineDirection);
             }
-            for (const vec3& l : light) {
-                sum.light += l;
-                sum.squares += luminance(l) * luminance(l);
+            for (int k = 0; k < kPacket; ++k) {
+                const float plain = luminance(light[k]), all = luminance(open[k]);
+                const float arriving = shares[k] * all;
+                sum.light += light[k];
+                sum.squares += plain * plain;
+                sum.open += open[k];
+                sum.arriving += shares[k] * open[k];
+                sum.open2 += all * all;
+                sum.arriving2 += arriving * arriving;
+                sum.both += arriving * all;
+                sum.with_open += plain * all;
+                sum.with_arriving += plain * arriving;
             }
             sum.count += kPacket;
         }
     }
 
+    // Of open light the samples' own, and of what they miss of it, or have too much, the share that
+    // arrives of all: what is open is known exactly, and what is hidden adds nothing.
     Answer answer(const Sum& sum) const {
         const auto count = static_cast<float>(sum.count);
-        Answer result{.light = sum.light / count};
-        float squares = sum.squares / count;
-        if (lamps_.plain() && luminance(sum.open) > 0.0f) {
-            const vec3 share =
-                glm::min(sum.arriving / glm::max(sum.open, vec3(1e-30f)), vec3(1.0f));
-            result.light += open_ * share;
-            const float all = luminance(open_) * count / luminance(sum.open);
-            const float part = luminance(sum.arriving) / luminance(sum.open);
-            squares += all * all *
-                       (sum.arriving2 - 2.0f * part * sum.both + part * part * sum.open2) / count;
-        }
+        const float open = luminance(sum.open);
+        const float share = open > 0.0f ? luminance(sum.arriving) / open : 1.0f;
+        const vec3 missed = open_ - sum.open / count;
+        Answer result{.light = sum.light / count +
+                               glm::max(sum.arriving / count + share * missed, vec3(0.0f))};
+        const float squares = sum.squares + 2.0f * (sum.with_arriving - share * sum.with_open) +
+                              sum.arriving2 - 2.0f * share * sum.both + share * share * sum.open2;
         const float plain = luminance(sum.light) / count;
-        const float variance = std::max(squares - plain * plain, 0.0f);
+        const float variance = std::max(squares / count - plain * plain, 0.0f);
         result.doubtful = (sum.hidden > 0 && sum.free > 0) ||
-                          std::sqrt(variance / count) > kDoubt * luminance(result.light);
+                          std::sqrt(variance / count) > kDoubt * luminance(result.light) ||
+                          luminance(glm::abs(missed)) > kMissed * luminance(open_);
         return result;
     }
 
   private:
-    void addTowardLamps(int first, vec3* light, Sum& sum) const {
+    // And what of it, at each sample, is a share of what is known to arrive where nothing hides it.
+    void addTowardLamps(int first, vec3* light, vec3* open, float* shares, Sum& sum) const {
         Way ways[kPacket];
-        vec3 open[kPacket] = {};
         bool tells[kPacket] = {};
         for (int k = 0; k < kPacket; ++k) {
             const vec3 u = glm::fract(start_ + static_cast<float>(first + k) * kSpread);
-            light[k] = vec3(0.0f);
+            light[k] = open[k] = vec3(0.0f);
             const auto s = lamps_.sample(point_.side, point_.surface.n, u);
             if (!s) {
                 continue;
@@ -143,12 +156,7 @@ class PixelLamps {
             sum.hidden += tells[k] && !arrives ? 1 : 0;
             sum.free += tells[k] && arrives ? 1 : 0;
             light[k] = arrives ? passing[k] * light[k] : vec3(0.0f);
-            const float all = luminance(open[k]);
-            sum.open += open[k];
-            sum.arriving += passing[k] * open[k];
-            sum.open2 += all * all;
-            sum.arriving2 += passing[k] * passing[k] * all * all;
-            sum.both += passing[k] * all * all;
+            shares[k] = passing[k];
         }
     }
 

@@ -1,6 +1,7 @@
 #include "light/lamps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -47,29 +48,29 @@ double angleAt(const dvec3& a, const dvec3& b, const dvec3& c) {
 
 // The integral of the cosine to a unit normal over what a triangle fills of the half space above,
 // by its corners as seen from a point; `volume`: its area times the height of its plane. [Arv95]
-float projectedAngle(const std::array<vec3, 3>& corners, const vec3& n, float volume) {
+double projectedAngle(const std::array<dvec3, 3>& corners, const dvec3& n, double volume) {
     // So small, or so far, that it is a point.
-    constexpr float kPoint = 1.0f / 1024.0f;
-    const vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0f;
-    const float distance2 = glm::dot(middle, middle);
-    float size2 = 0.0f, low = kInfinity, high = -kInfinity;
-    for (const vec3& corner : corners) {
+    constexpr double kPoint = 1.0 / 1024.0;
+    const dvec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    const double distance2 = glm::dot(middle, middle);
+    double size2 = 0.0, low = kInfinity, high = -kInfinity;
+    for (const dvec3& corner : corners) {
         size2 = std::max(size2, glm::dot(corner - middle, corner - middle));
         low = std::min(low, glm::dot(corner, n));
         high = std::max(high, glm::dot(corner, n));
     }
-    if (high <= 0.0f) {
-        return 0.0f;
+    if (high <= 0.0) {
+        return 0.0;
     }
-    if (low > 0.0f && size2 < kPoint * distance2) {
+    if (low > 0.0 && size2 < kPoint * distance2) {
         return volume * glm::dot(middle, n) / (distance2 * distance2);
     }
     // What is below the horizon is cut off.
     std::array<dvec3, 4> kept;
     size_t count = 0;
     for (size_t i = 0; i < 3; ++i) {
-        const dvec3 from(corners[i]), to(corners[(i + 1) % 3]);
-        const double above = glm::dot(from, dvec3(n)), next = glm::dot(to, dvec3(n));
+        const dvec3 &from = corners[i], &to = corners[(i + 1) % 3];
+        const double above = glm::dot(from, n), next = glm::dot(to, n);
         if (above >= 0.0) {
             kept[count++] = from;
         }
@@ -84,10 +85,10 @@ float projectedAngle(const std::array<vec3, 3>& corners, const vec3& n, float vo
         const dvec3 across = glm::cross(a, b);
         const double length = glm::length(across);
         if (length > 0.0) {
-            sum += std::atan2(length, glm::dot(a, b)) * glm::dot(across, dvec3(n)) / length;
+            sum += std::atan2(length, glm::dot(a, b)) * glm::dot(across, n) / length;
         }
     }
-    return static_cast<float>(0.5 * std::abs(sum));
+    return 0.5 * std::abs(sum);
 }
 
 // A direction evenly spread over a spherical triangle. [Arv95]
@@ -223,9 +224,10 @@ vec3 LampSampler::irradiance(const SurfaceSide& surface, const vec3& n) const {
         if (!(c.area > 0.0f) || !reaches(entry, c, start)) {
             continue;
         }
-        sum +=
-            emissions_[i] * projectedAngle({c.p0 - start, c.p0 + c.e1 - start, c.p0 + c.e2 - start},
-                                           n, c.area * std::abs(height));
+        const dvec3 p0 = dvec3(c.p0) - dvec3(start);
+        const double angle = projectedAngle({p0, p0 + dvec3(c.e1), p0 + dvec3(c.e2)}, dvec3(n),
+                                            double{c.area} * std::abs(height));
+        sum += emissions_[i] * static_cast<float>(angle);
     }
     return sum;
 }

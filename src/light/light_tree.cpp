@@ -1,6 +1,7 @@
 #include "light/light_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sheen {
@@ -11,6 +12,8 @@ constexpr float kSeldom = 0.05f;
 // Bands that are left out err by less than this.
 constexpr float kLeastSent = 0.05f;
 constexpr float kMuchLess = 1.0f / 16.0f;
+// Halves by number below so many levels are at most as deep as a trail has bits.
+constexpr int kMostByReach = 32;
 
 LightBounds united(const LightBounds& a, const LightBounds& b) {
     LightBounds result = a;
@@ -66,10 +69,15 @@ float LightTree::Node::importance(const vec3& p, const vec3& n) const {
     if (cos_received <= 0.0f) {
         return 0.0f;
     }
+    const float seen = distance2 > reach2 ? kSeldom : 1.0f;
+    if (cos_outer > -1.0f) {  // a light alone, whose cone is known
+        const bool within = glm::dot(way, axis) * inverse > cos_outer;
+        const float sent = within ? 2.0f * intensity.mean() / (1.0f - cos_outer) : 0.0f;
+        return seen * sent * cos_received * inverse * inverse;
+    }
     // The nearer, the less its middle's direction stands for all of it.
     const float least = intensity.mean() * std::max(radius2 * inverse * inverse, kLeastSent);
     const float sent = std::max(intensity.in(way * inverse), least);
-    const float seen = distance2 > reach2 ? kSeldom : 1.0f;
     return seen * sent * cos_received * inverse * inverse;
 }
 
@@ -79,6 +87,8 @@ LightTree::Node::Node(const LightBounds& b, uint32_t second_, bool leaf_)
       radius2(glm::dot(half, half)),
       intensity(b.intensity),
       reach2((b.reach + std::sqrt(radius2)) * (b.reach + std::sqrt(radius2))),
+      axis(leaf_ ? b.axis : vec3(0.0f)),
+      cos_outer(leaf_ ? b.cos_outer : -1.0f),
       second(second_),
       leaf(leaf_) {}
 
@@ -99,7 +109,7 @@ LightTree::LightTree(std::span<const LightBounds> lights) : trails_(lights.size(
 // lights that reach much less far, such as the inner sides of a bulb, which would be taken for its
 // outer ones; then halves by number, across the longest side. A path is at most as long as a trail
 // has bits.
-size_t LightTree::halve(std::span<const LightBounds> lights, std::span<uint32_t> order) {
+size_t LightTree::halve(std::span<const LightBounds> lights, std::span<uint32_t> order, int depth) {
     Bounds middles;
     float farthest = 0.0f;
     for (const uint32_t i : order) {
@@ -109,7 +119,7 @@ size_t LightTree::halve(std::span<const LightBounds> lights, std::span<uint32_t>
     const auto less = std::partition(order.begin(), order.end(), [&](uint32_t i) {
         return lights[i].reach < farthest * kMuchLess;
     });
-    if (less != order.begin()) {
+    if (less != order.begin() && depth < kMostByReach) {
         return static_cast<size_t>(less - order.begin());
     }
     const vec3 size = middles.upper - middles.lower;
@@ -131,7 +141,7 @@ LightBounds LightTree::build(std::span<const LightBounds> lights, std::span<uint
         return lights[order[0]];
     }
     nodes_.emplace_back();
-    const auto half = order.begin() + static_cast<ptrdiff_t>(halve(lights, order));
+    const auto half = order.begin() + static_cast<ptrdiff_t>(halve(lights, order, depth));
     const LightBounds first = build(lights, {order.begin(), half}, trail, depth + 1);
     const auto second = static_cast<uint32_t>(nodes_.size());
     const LightBounds bounds =
@@ -168,28 +178,28 @@ size_t LightTree::cut(const vec3& p, const vec3& n, std::span<uint32_t> nodes) c
         uint32_t node;
     };
     const auto less = [](const Part& a, const Part& b) { return a.importance < b.importance; };
-    std::vector<Part> parts;  // a heap
+    std::array<Part, kMostParts> parts;  // a heap
+    size_t count = 0;
     const auto add = [&](uint32_t node) {
         const float importance = nodes_[node].importance(p, n);
         if (importance > 0.0f) {
-            parts.push_back({nodes_[node].leaf ? 0.0f : importance, node});
-            std::push_heap(parts.begin(), parts.end(), less);
+            parts[count++] = {nodes_[node].leaf ? 0.0f : importance, node};
+            std::push_heap(parts.begin(), parts.begin() + static_cast<ptrdiff_t>(count), less);
         }
     };
     if (!nodes_.empty()) {
         add(0);
     }
-    while (!parts.empty() && parts.front().importance > 0.0f && parts.size() < nodes.size()) {
-        std::pop_heap(parts.begin(), parts.end(), less);
-        const uint32_t node = parts.back().node;
-        parts.pop_back();
+    while (count > 0 && parts[0].importance > 0.0f && count < nodes.size()) {
+        std::pop_heap(parts.begin(), parts.begin() + static_cast<ptrdiff_t>(count), less);
+        const uint32_t node = parts[--count].node;
         add(node + 1);
         add(nodes_[node].second);
     }
-    for (size_t i = 0; i < parts.size(); ++i) {
+    for (size_t i = 0; i < count; ++i) {
         nodes[i] = parts[i].node;
     }
-    return parts.size();
+    return count;
 }
 
 float LightTree::probability(const vec3& p, const vec3& n, uint32_t light) const {

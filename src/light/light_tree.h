@@ -36,6 +36,10 @@ struct LightBounds {
     Bounds box;
     Intensity intensity;
     float reach = kInfinity;  ///< farther off it is seldom seen
+    /// Of one light that shines only within an angle of this cosine around a unit axis; -1: of any
+    /// other.
+    vec3 axis{0.0f};
+    float cos_outer = -1.0f;
 };
 
 class LightTree {
@@ -55,8 +59,9 @@ class LightTree {
     /// cut()'s, whose lights alone are chosen from.
     std::optional<Choice> choose(const vec3& p, const vec3& n, float u, uint32_t node = 0) const;
 
-    /// Nodes, as many as fit into `nodes` at the most, that hold all lights which can reach that
-    /// side: what counts most is parted first. Returns how many.
+    static constexpr size_t kMostParts = 256;
+    /// Nodes, as many as fit into `nodes` (kMostParts at the most), that hold all lights which can
+    /// reach that side: what counts most is parted first. Returns how many.
     size_t cut(const vec3& p, const vec3& n, std::span<uint32_t> nodes) const;
 
     /// How probable it is that choose() chooses this light.
@@ -69,14 +74,16 @@ class LightTree {
         float radius2 = 0.0f;  // of the sphere around that, squared
         Intensity intensity;
         float reach2 = kInfinity;  // from the center, squared
-        uint32_t second = 0;       // child; the first one follows. Of a leaf the light
+        vec3 axis{0.0f};           // of a leaf's cone
+        float cos_outer = -1.0f;
+        uint32_t second = 0;  // child; the first one follows. Of a leaf the light
         bool leaf = false;
 
         Node() = default;
         Node(const LightBounds& bounds, uint32_t second, bool leaf);
         float importance(const vec3& p, const vec3& n) const;
     };
-    static size_t halve(std::span<const LightBounds> lights, std::span<uint32_t> order);
+    static size_t halve(std::span<const LightBounds> lights, std::span<uint32_t> order, int depth);
     // Returns the bounds of the node that it adds.
     LightBounds build(std::span<const LightBounds> lights, std::span<uint32_t> order,
                       uint64_t trail, int depth);

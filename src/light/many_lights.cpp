@@ -27,6 +27,10 @@ ManyLights::ManyLights(const Scene& scene) {
         b.intensity = light.kind == shared::LIGHT_SPOT
                           ? Intensity::inCone(light.direction, light.cos_outer, power)
                           : Intensity::everywhere(power);
+        if (light.kind == shared::LIGHT_SPOT) {
+            b.axis = light.direction;
+            b.cos_outer = light.cos_outer;
+        }
         b.reach = light.inverse_range > 0.0f ? 1.0f / light.inverse_range : kInfinity;
     }
     tree_ = LightTree(bounds);

@@ -21,7 +21,7 @@ class ManyLights {
     /// So many lights that have a place are asked one by one.
     static constexpr size_t kFew = 15;
     /// And so many, or parts of them all, at a pixel.
-    static constexpr size_t kParts = 256;
+    static constexpr size_t kParts = LightTree::kMostParts;
 
     explicit ManyLights(const Scene& scene);
 

@@ -1,6 +1,8 @@
 #include "light/scattered_once.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "light/punctual.h"
 #include "rays/jitter.h"
@@ -222,8 +224,8 @@ vec3 ScatteredOnce::scatteredByCell(const Hit& hit, const IrradianceCells::Cell&
 }
 
 // Adds what lamps, many lights and the sky send by way of hits. Cells know what is scattered alike
-// in all directions; the rest is sampled once a hit: many rays share a record, and average what
-// chance adds to each.
+// in all directions; lobes, and hits without a cell, are sampled once each: many rays share a
+// record, and average what chance adds to each.
 void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3* radiance) const {
     std::array<Asked, Tracer::kPacket> points;
     size_t of[Tracer::kPacket];
@@ -239,7 +241,9 @@ void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3*
     for (const Lit& l : lit) {
         const Hit& hit = *l.hit;
         const float area = rays.solidAngle(l.ray) * hit.distance * hit.distance;
-        const auto cell = sampled_ ? sampled_->cellOf(hit, area) : std::nullopt;
+        // What is met of a surface with holes tells nothing of the holes.
+        const bool whole = !scene().materials[scene().materials_of[hit.triangle]].lightPasses();
+        const auto cell = sampled_ && whole ? sampled_->cellOf(hit, area) : std::nullopt;
         vec3 alike(0.0f);
         if (cell) {
             alike =

@@ -15,6 +15,11 @@ bool usesRecords(Method method) {
     return method == Method::kRadiance || method == Method::kIrradiance;
 }
 
+bool emits(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const Material& material) { return material.emits(); });
+}
+
 // Bytes that so many pixels take, at the most (docs/stability.md).
 uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t pixels) {
     constexpr uint64_t kByPaths = 270;
@@ -22,6 +27,7 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
     constexpr uint64_t kDrawn = 100;    // what OpenGL holds of pixels that are splatted together
     constexpr uint64_t kByRays = 320;   // what rays saw and how it is filtered
     constexpr uint64_t kOfEdges = 300;  // where half of the pixels have some, and strays
+    constexpr uint64_t kOfLamps = 50;   // what their samples add up to
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
     if (!usesRecords(params.method)) {
         return kByPaths * pixels;
@@ -42,6 +48,7 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
         blended = blended || (used[i] && scene.materials[i].blended);
     }
     const uint64_t each = kByRecords + (params.aa > 1 ? kOfEdges : 0) +
+                          (emits(scene) ? kOfLamps : 0) +
                           (order > shared::DIFFUSE_ORDER ? kByRays : 0) +
                           kPerCoefficient * static_cast<uint64_t>(order * order);
     return (blended ? 2 : 1) * each * pixels + kDrawn * std::min<uint64_t>(pixels, kBandPixels);
@@ -57,12 +64,16 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kPerPhoton = 160;  // as it is found, and in the map
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
-    const bool keeps = usesRecords(params.method) && params.bounces > 1;
+    constexpr uint64_t kCells = uint64_t{16} << 20;  // of lamps', many lights' and the sky's light
+    constexpr uint64_t kCellsPerTriangle = 28;
+    const bool records = usesRecords(params.method);
+    const bool keeps = records && params.bounces > 1;
     const uint64_t kept = keeps ? kKept + kKeptPerTriangle * scene.triangles.size() : 0;
-    const bool caustics = findsCaustics(params.method, params.gather_road) &&
-                          usesRecords(params.method) && anySpecular(scene);
+    const uint64_t cells = records ? kCells + kCellsPerTriangle * scene.triangles.size() : 0;
+    const bool caustics =
+        records && findsCaustics(params.method, params.gather_road) && anySpecular(scene);
     const uint64_t photons = caustics ? kPerPhoton * static_cast<uint64_t>(params.caustics) : 0;
-    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept + photons +
+    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept + cells + photons +
                           kPerTriangle * scene.triangles.size(),
                  .threads = threadCount()},
                 fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,

@@ -19,7 +19,8 @@ namespace sheen {
 
 enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised };
 
-/// Everything that changes the image. Defaults were chosen by measurement (docs/decisions.md).
+/// Everything that changes the image. Defaults were chosen by measurement
+/// (docs/decisions/placement.md).
 struct RenderParams {
     Method method = Method::kRadiance;
     int width = 512;

@@ -142,7 +142,7 @@ Primitive readPrimitive(File& file, const tinygltf::Primitive& source,
         quantized == Integers::kAny ? Integers::kAny : Integers::kNormalizedUnsigned;
     read("TEXCOORD_0", primitive.uvs, of_uvs);
     read("TEXCOORD_1", primitive.second_uvs, of_uvs);
-    if (attribute("COLOR_0") != -1) {
+    if (source.attributes.count("COLOR_0") > 0) {
         primitive.colors = readColors(file, attribute("COLOR_0"), where + ", COLOR_0");
         check_count("COLOR_0", primitive.colors.size(), count);
     }

@@ -5,6 +5,7 @@
 
 #include <tiny_gltf.h>
 
+#include <limits>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -160,9 +161,10 @@ struct TextureInfo {
 };
 TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const std::string& where);
 
-/// An image of the file; none, with a note that says what is `shown` without it, where it cannot be
-/// read.
-std::optional<TextureImage> loadImage(File& file, int index, const char* shown);
+/// An image of the file; none, with a note that says what its `loss` means, where it cannot be
+/// read or a side of it has more texels than `longest`.
+std::optional<TextureImage> loadImage(File& file, int index, const char* loss,
+                                      int longest = std::numeric_limits<int>::max());
 
 /// Loads a file's textures as materials ask for them, each image once. Whatever is broken about one
 /// is noted, and it is left out: it never keeps the file from loading.

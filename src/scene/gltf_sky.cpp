@@ -5,7 +5,10 @@
 #include <array>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <limits>
 
+#include "core/memory.h"
+#include "core/parallel.h"
 #include "scene/gltf_parts.h"
 
 namespace sheen::gltf {
@@ -63,18 +66,21 @@ glm::quat rotationOf(const File& file, const tinygltf::Value& light, const std::
         return {1.0f, 0.0f, 0.0f, 0.0f};
     }
     const tinygltf::Value& source = light.Get("rotation");
-    float q[4];
+    double q[4], largest = 0.0;
     for (int i = 0; i < 4; ++i) {
         if (source.ArrayLen() != 4 || !source.Get(i).IsNumber()) {
             file.fail(where, "rotation must hold four numbers");
         }
-        q[i] = finiteFloat(file, source.Get(i).GetNumberAsDouble(), where, "rotation");
+        q[i] = source.Get(i).GetNumberAsDouble();
+        largest = std::max(largest, std::abs(q[i]));
     }
-    const glm::quat rotation(q[3], q[0], q[1], q[2]);
-    if (!(glm::length(rotation) > 0.0f)) {
-        file.fail(where, "rotation must not be zero");
+    if (!(largest > 0.0 && largest <= std::numeric_limits<double>::max())) {
+        file.fail(where, "rotation must be finite and not zero");
     }
-    return glm::normalize(rotation);
+    for (double& part : q) {
+        part /= largest;
+    }
+    return glm::quat(glm::normalize(glm::dquat(q[3], q[0], q[1], q[2])));
 }
 
 // The sharpest images; none, with notes, where one of them cannot be read.
@@ -92,16 +98,13 @@ std::optional<Faces> facesOf(File& file, const tinygltf::Value& light, const std
             file.fail(where, "specularImages must hold indices of images");
         }
         file.at(file.images, index.GetNumberAsInt(), where, "image");
-        auto face = loadImage(file, index.GetNumberAsInt(), "the sky");
+        auto face = loadImage(file, index.GetNumberAsInt(), "the sky is left out", kLargestFace);
         if (!face) {
             return std::nullopt;
         }
-        if (face->width != face->height || face->width > kLargestFace ||
-            (i > 0 && face->width != faces[0].width)) {
-            file.fail(where,
-                      "face {} has {} x {} texels; make all six square, alike and no larger "
-                      "than {}",
-                      i, face->width, face->height, kLargestFace);
+        if (face->width != face->height || (i > 0 && face->width != faces[0].width)) {
+            file.fail(where, "face {} has {} x {} texels; make all six square and alike", i,
+                      face->width, face->height);
         }
         faces[i] = std::move(*face);
     }
@@ -121,14 +124,17 @@ Environment skyOf(File& file, const tinygltf::Value& light, const std::string& w
     }
     // As fine at the horizon as the faces are at their middles.
     const int height = 2 * faces->front().width;
+    checkMemory(
+        {.bytes = 2 * sizeof(vec3) * static_cast<uint64_t>(height) * static_cast<uint64_t>(height)},
+        fmt::format("{}: {}", file.path, where), "use smaller images");
     sky.texels = Image<vec3>(2 * height, height);
-    for (int y = 0; y < sky.texels.height; ++y) {
+    parallelFor(sky.texels.height, [&](int y) {
         for (int x = 0; x < sky.texels.width; ++x) {
             const vec2 uv = (vec2(x, y) + 0.5f) / vec2(sky.texels.width, sky.texels.height);
             sky.texels.at(x, y) = static_cast<float>(intensity) *
                                   lookUp(*faces, cube_from_world * sky.directionFromImage(uv));
         }
-    }
+    });
     return sky;
 }
 
@@ -145,16 +151,16 @@ Environment loadSky(File& file) {
     }
     const std::string where = "the scene's image-based light";
     try {
-        const double index = numberMember(file, own.at(kName), "light", -1.0, where);
+        const int index = integerMember(file, own.at(kName), "light", -1, where);
         const auto root = file.model.extensions.find(kName);
         const bool any = root != file.model.extensions.end() && root->second.Has("lights");
         const tinygltf::Value lights = any ? root->second.Get("lights") : tinygltf::Value();
-        const auto count = lights.IsArray() ? static_cast<double>(lights.ArrayLen()) : 0.0;
-        if (!(index >= 0.0) || index >= count) {
+        const int count = lights.IsArray() ? static_cast<int>(lights.ArrayLen()) : 0;
+        if (index < 0 || index >= count) {
             file.fail(where, "refers to light {}, but the file has {}; export it again", index,
                       count);
         }
-        return skyOf(file, lights.Get(static_cast<int>(index)), where);
+        return skyOf(file, lights.Get(index), where);
     } catch (const Error& error) {
         if (error.code() != ExitCode::kInput) {
             throw;

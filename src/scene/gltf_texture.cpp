@@ -91,12 +91,11 @@ void readTransform(const File& file, const tinygltf::Value& extension, const std
 
 }  // namespace
 
-std::optional<TextureImage> loadImage(File& file, int index, const char* shown) {
+std::optional<TextureImage> loadImage(File& file, int index, const char* loss, int longest) {
     const EncodedImage& source = file.images[static_cast<size_t>(index)];
     const std::string where = label("image", static_cast<size_t>(index), source.name);
     if (!source.content.missing.empty()) {
-        file.notes.add(
-            fmt::format("{}: {} shown without it: {}", where, shown, source.content.missing));
+        file.notes.add(fmt::format("{}: {}: {}", where, loss, source.content.missing));
         return std::nullopt;
     }
     const ByteSpan bytes = source.buffer_view >= 0
@@ -104,13 +103,16 @@ std::optional<TextureImage> loadImage(File& file, int index, const char* shown) 
                                : ByteSpan{source.content.bytes.data(), source.content.bytes.size()};
     const std::span<const uint8_t> encoded(bytes.data, bytes.size);
     try {
-        checkImage(file, readImageHeader(encoded), bytes.size, where);
+        const ImageHeader header = readImageHeader(encoded);
+        if (std::max(header.width, header.height) > longest) {
+            throw DecodeError(fmt::format("{} x {} texels are too many, of at most {} a side",
+                                          header.width, header.height, longest));
+        }
+        checkImage(file, header, bytes.size, where);
         return storedImage(decodeImage(encoded));
     } catch (const DecodeError& error) {
-        file.notes.add(
-            fmt::format("{}: it cannot be decoded: {}: {} shown without it; use "
-                        "an intact PNG or JPEG",
-                        where, oneLine(error.what()), shown));
+        file.notes.add(fmt::format("{}: it cannot be decoded: {}: {}; use an intact PNG or JPEG",
+                                   where, oneLine(error.what()), loss));
         return std::nullopt;
     }
 }
@@ -139,7 +141,7 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     file_.at(file_.images, source.source, where, "image");
     const auto [image, is_new] = images_.try_emplace(source.source, -1);
     if (is_new) {
-        if (auto loaded = loadImage(file_, source.source, "materials")) {
+        if (auto loaded = loadImage(file_, source.source, "materials shown without it")) {
             scene_.images.push_back(std::move(*loaded));
             image->second = static_cast<int>(scene_.images.size()) - 1;
         }

@@ -152,6 +152,25 @@ GltfFile leftOut() {
     return file;
 }
 
+// A sky of its own.
+GltfFile underASky() {
+    GltfFile file = painted();
+    Json& json = file.json;
+    json["extensionsUsed"] = {"EXT_lights_image_based"};
+    json["extensions"]["EXT_lights_image_based"]["lights"] =
+        Json::array({{{"intensity", 2},
+                      {"rotation", {0, 0.6, 0, 0.8}},
+                      {"specularImageSize", 1},
+                      {"specularImages", Json::array({{1, 1, 1, 1, 1, 1}})}}});
+    Json nodes = Json::array();
+    for (size_t i = 0; i < json["nodes"].size(); ++i) {
+        nodes.push_back(i);
+    }
+    json["scenes"] = Json::array(
+        {{{"nodes", nodes}, {"extensions", {{"EXT_lights_image_based", {{"light", 0}}}}}}});
+    return file;
+}
+
 // Triangles of two materials in one plane, one of them upright in three planes.
 GltfFile coplanar() {
     GltfFile file;
@@ -216,6 +235,7 @@ std::vector<std::pair<std::string, std::string>> sceneSeeds() {
             {"transformed.glb", transformed().glb()},
             {"quantized.glb", quantized().glb()},
             {"left_out.glb", leftOut().glb()},
+            {"under_a_sky.glb", underASky().glb()},
             {"coplanar.glb", coplanar().glb()},
             {"components.glb", components().glb()},
             {"cornell.glb", std::string(cornell.begin(), cornell.end())},
