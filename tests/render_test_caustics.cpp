@@ -11,7 +11,8 @@ namespace sheen {
 namespace {
 
 constexpr int kSize = 32;
-// Measured: 5 to 8%, bias at most 1% by the reference's noise, and 3.5 to 4.5%, 0.5%.
+// Of a room like this one 30,000 photons are 21% off, 300,000 6% (docs/decisions/light.md).
+// Indirect light, measured here: 1.2 to 2.2%, bias 0.3 to 0.5%.
 constexpr double kCausticRmse = 0.12, kCausticBias = 0.02;
 constexpr double kIndirectRmse = 0.06, kIndirectBias = 0.015;
 
