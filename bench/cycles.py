@@ -142,7 +142,7 @@ def compare(folder, name, sky, options):
     ours, theirs = folder / "sheen.exr", folder / "cycles.exr"
     command = [ROOT / "build/release/sheen", "render", scene, "--method", "reference", "--aa", "1", "--size",
                f"{options.size}x{options.size}", "--spp", str(options.spp), "--bounces",
-               str(options.bounces), "--layers", "all", "-o", ours]
+               str(options.bounces), "--caustics", "none", "--layers", "all", "-o", ours]
     subprocess.run(command + (["--environment", sky] if sky else []), check=True,
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     subprocess.run(["blender", "--background", "--factory-startup", "--python-exit-code", "1",

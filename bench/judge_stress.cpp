@@ -92,6 +92,7 @@ Found stressOne(uint32_t seed, const StressOptions& options) {
     params.width = params.height = options.size;
     params.quiet = true;
     params.bounces = 1;
+    params.caustics = 0;
     const RenderResult result = renderFrame(scene, params);
     const auto reference = [&](int spp) {
         return renderReference(scene, {.width = options.size,

@@ -129,6 +129,7 @@ void sweep(const std::string& scene_file, const std::string& reference_file,
     params.height = truth.height;
     params.quiet = true;
     params.bounces = 1;
+    params.caustics = 0;
     std::optional<Setting> searched;
     for (const std::string& argument : settings) {
         const Setting setting = parseSetting(argument);

@@ -153,6 +153,7 @@ void writeFile(State& state, Setup& setup, ExrLayers layers) {
     RenderParams params;
     params.width = params.height = 512;
     params.bounces = 1;
+    params.caustics = 0;
     params.placement.accuracy = 2.0f;  // sooner there
     params.all_layers = true;
     params.quiet = true;

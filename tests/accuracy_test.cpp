@@ -71,6 +71,7 @@ TEST_P(Accuracy, IsNotWorseThanItWas) {
     params.height = truth.height;
     params.camera = row.camera;
     params.bounces = row.bounces;
+    params.caustics = 0;  // as the references have them
     params.placement.accuracy = row.accuracy;
     params.quiet = true;
     const RenderResult result = renderFrame(loadNamed(row.scene, row.environment), params);

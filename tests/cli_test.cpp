@@ -98,6 +98,12 @@ TEST_F(CliTest, optionsOutOfRange) {
                                "--bounces some",
                                "--gather plane --bounces 2",
                                "--gather hemicube --bounces all",
+                               "--caustics 0",
+                               "--caustics 999",
+                               "--caustics some",
+                               "--caustics 1e9",
+                               "--gather plane --caustics 1000",
+                               "--method denoised --caustics 1000",
                                "--threads -1",
                                "--threads 257",
                                "--layers some",
@@ -128,8 +134,9 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
                         ExitCode::kUsage, fmt::format("not an option of --method {}", method));
         }
     }
-    for (const char* option : {"--spp 16", "--seed 1", "--target-error 0.02", "--bounces 2",
-                               "--sh-order 4", "--gather plane", "--gather-extent 2"}) {
+    for (const char* option :
+         {"--spp 16", "--seed 1", "--target-error 0.02", "--bounces 2", "--caustics 1000",
+          "--sh-order 4", "--gather plane", "--gather-extent 2"}) {
         expectError(fmt::format("render scene.gltf --method octree {}", option), ExitCode::kUsage,
                     "--method octree");
     }

@@ -250,5 +250,40 @@ TEST_F(CliTest, aGivenSkyShowsUnlessTransparent) {
     }
 }
 
+// Apart where the scene has something specular, and then judged alike.
+TEST_F(CliTest, causticsAreALayerOfTheirOwn) {
+    std::string polished = kScene;
+    const std::string rough = "\"roughnessFactor\": 0.6";
+    polished.replace(polished.find(rough), rough.size(), "\"roughnessFactor\": 0.2");
+    std::ofstream(file("polished.gltf")) << polished;
+    const auto layers = [this](const std::string& command, const char* output) {
+        const Outcome run = call(fmt::format("{} --size 16x16 --aa 1 -o {}", command, output));
+        EXPECT_EQ(run.code, 0) << run.err;
+        return readExr(file(output)).colors;
+    };
+    EXPECT_EQ(layers("render scene.gltf", "rough.exr").count("caustic"), 0u);
+    const auto apart = layers("render polished.gltf --caustics 20000", "apart.exr");
+    ASSERT_EQ(apart.count("caustic"), 1u);
+    const auto whole = layers("render polished.gltf --caustics none", "whole.exr");
+    EXPECT_EQ(whole.count("caustic"), 0u);
+    const std::string reference = "render polished.gltf --method reference --spp 64";
+    EXPECT_EQ(layers(reference, "truth.exr").count("variance_global"), 1u);
+    EXPECT_EQ(layers(reference + " --caustics none", "all.exr").count("caustic"), 0u);
+    double caustic = 0.0;
+    for (const vec3& light : apart.at("caustic").pixels) {
+        caustic += light.y;
+    }
+    EXPECT_GT(caustic, 0.0);
+    // Whatever the layers hold, they are told apart, or added.
+    for (const char* pair : {"whole.exr truth.exr", "apart.exr all.exr"}) {
+        expectError(fmt::format("compare {}", pair), ExitCode::kInput, "indirect+caustic");
+        EXPECT_EQ(call(fmt::format("compare {} --layer caustic", pair)).code, 3);
+        const Outcome sum = call(fmt::format("compare {} --layer indirect+caustic --json -", pair));
+        EXPECT_NE(sum.out.find("rel_rmse"), std::string::npos) << sum.err;
+    }
+    const Outcome both = call("compare truth.exr all.exr --layer indirect+caustic --json -");
+    EXPECT_LT(Json::parse(both.out)["rel_rmse"].get<double>(), 1e-3) << both.err;
+}
+
 }  // namespace
 }  // namespace sheen

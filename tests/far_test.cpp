@@ -114,6 +114,7 @@ RenderParams paramsFor(Method method, int spp) {
     params.width = kWidth;
     params.height = kHeight;
     params.bounces = 1;
+    params.caustics = 0;
     params.spp = spp;
     params.all_layers = true;
     params.quiet = true;

@@ -33,6 +33,7 @@ class NastySeeds : public testing::TestWithParam<NastySeed> {
         params.width = params.height = kSize;
         params.quiet = true;
         params.bounces = 1;
+        params.caustics = 0;
         return renderFrame(scene, params);
     }
 };
@@ -93,6 +94,7 @@ TEST(StressBlotches, NoRecordOutshinesItsSurface) {
         params.width = params.height = kSize;
         params.quiet = true;
         params.bounces = 1;
+        params.caustics = 0;
         params.placement.accuracy = accuracy;
         const RenderResult result = renderFrame(stressScene(17).scene, params);
         std::vector<float> values;

@@ -21,6 +21,7 @@ inline RenderParams smallRender(int width, int height, Method method = Method::k
     params.width = width;
     params.height = height;
     params.bounces = 1;
+    params.caustics = 0;  // as the reference has them unless told otherwise
     params.gather.size = 32;
     params.all_layers = true;
     params.quiet = true;

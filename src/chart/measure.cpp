@@ -208,6 +208,7 @@ class Sweep {
             params.height = params_.height;
             params.camera = params_.camera;
             params.bounces = 1;
+            params.caustics = 0;
             params.spp = params_.reference_spp;
             params.seed = kReferenceSeed;
             reference.key = keyOf(s, {"reference", fmt::format("{}", params.spp)});
@@ -428,7 +429,9 @@ class Sweep {
              {std::string("--size"), fmt::format("{}x{}", params_.width, params_.height),
               // As references are.
               std::string("--aa"), std::string("1"), std::string("--bounces"), std::string("1"),
-              std::string("-o"), output, std::string("--json"), std::string("-")}) {
+              // Some methods cannot tell them from other indirect light.
+              std::string("--caustics"), std::string("none"), std::string("-o"), output,
+              std::string("--json"), std::string("-")}) {
             command.push_back(argument);
         }
         if (!params_.camera.empty()) {

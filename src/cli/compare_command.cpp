@@ -20,9 +20,15 @@ struct CompareOptions {
     std::string heatmap;
 };
 
+bool hasCaustics(const LoadedExr& exr) { return exr.colors.count("caustic") > 0; }
+
+// What both layers hold together; of a file without the second, the first holds it.
+const char* const kGlobal = "indirect+caustic";
+
 // The variances that add up to that of `layer`: emission has none, direct and indirect light are
-// sampled independently.
-std::vector<std::string> varianceLayers(const std::string& layer) {
+// sampled independently. The paths of caustics are those of indirect light.
+std::vector<std::string> varianceLayers(const LoadedExr& exr, const std::string& layer) {
+    const std::string global = hasCaustics(exr) ? "variance_global" : "variance";
     if (layer == "indirect") {
         return {"variance"};
     }
@@ -32,13 +38,19 @@ std::vector<std::string> varianceLayers(const std::string& layer) {
     if (layer == "direct") {
         return {"variance_direct"};
     }
-    return {"variance", "variance_direct"};
+    if (layer == "caustic") {
+        return {"variance_caustic"};
+    }
+    if (layer == kGlobal) {
+        return {global};
+    }
+    return {global, "variance_direct"};
 }
 
 // Empty where the file does not know it.
 Image<vec3> varianceOf(const LoadedExr& exr, const std::string& layer) {
     Image<vec3> sum;
-    for (const std::string& name : varianceLayers(layer)) {
+    for (const std::string& name : varianceLayers(exr, layer)) {
         const auto found = exr.colors.find(name);
         if (found == exr.colors.end()) {
             return {};
@@ -52,6 +64,32 @@ Image<vec3> varianceOf(const LoadedExr& exr, const std::string& layer) {
         }
     }
     return sum;
+}
+
+Image<vec3> layerOf(const LoadedExr& exr, const std::string& layer) {
+    if (layer != kGlobal) {
+        return colorLayer(exr, layer);
+    }
+    Image<vec3> sum = colorLayer(exr, "indirect");
+    if (hasCaustics(exr)) {
+        const Image<vec3>& caustic = colorLayer(exr, "caustic");
+        for (size_t i = 0; i < sum.pixels.size(); ++i) {
+            sum.pixels[i] += caustic.pixels[i];
+        }
+    }
+    return sum;
+}
+
+// Where only one of the files has caustics apart, its indirect layers hold other light.
+void checkAlike(const LoadedExr& test, const LoadedExr& reference, const std::string& layer) {
+    const bool indirect = layer == "indirect" || layer == "indirect_diffuse";
+    if (indirect && hasCaustics(test) != hasCaustics(reference)) {
+        throwInput(
+            "{}: its indirect light holds caustics, that of {} does not: compare --layer {}, or "
+            "render both with the same --caustics",
+            hasCaustics(test) ? reference.path : test.path,
+            hasCaustics(test) ? test.path : reference.path, kGlobal);
+    }
 }
 
 Json comparisonJson(const Comparison& c) {
@@ -98,10 +136,13 @@ ExitCode runCompare(const CompareOptions& o) {
     checkMemory({.bytes = kBytesPerPixel * static_cast<uint64_t>(reference.width) *
                           static_cast<uint64_t>(reference.height)},
                 fmt::format("comparing with {}", o.reference), "use smaller images");
+    checkAlike(test, reference, o.layer);
+    const Image<vec3> of_test = layerOf(test, o.layer);
+    const Image<vec3> of_reference = layerOf(reference, o.layer);
     const Image<vec3> variance = varianceOf(reference, o.layer);
     const CompareInput input = {
-        .test = colorLayer(test, o.layer),
-        .reference = colorLayer(reference, o.layer),
+        .test = of_test,
+        .reference = of_reference,
         .reference_variance = variance.empty() ? nullptr : &variance,
         .test_primitive = test.primitive.empty() ? nullptr : &test.primitive,
         .reference_primitive = reference.primitive.empty() ? nullptr : &reference.primitive,
@@ -145,7 +186,8 @@ Command addCompare(CLI::App& program) {
         ->required()
         ->check(fileName());
     app->add_option("--layer", options->layer, "Layer to compare")
-        ->check(CLI::IsMember({"indirect", "direct", "indirect_diffuse", "beauty"}))
+        ->check(
+            CLI::IsMember({"indirect", "direct", "caustic", kGlobal, "indirect_diffuse", "beauty"}))
         ->capture_default_str();
     app->add_option("--json", options->json, "File for all figures as JSON; -: standard output")
         ->type_name("FILE")

@@ -15,6 +15,7 @@ namespace {
 constexpr int kMaxSide = 16384;
 constexpr float kMaxStops = 50.0f;
 constexpr double kFarthest = 1e15;  // of a point, each way
+constexpr int kFewestPhotons = 1000, kMostPhotons = 100'000'000;
 constexpr int kMostBounces = 64;
 constexpr int kMinShOrder = 2;
 constexpr int kMaxShOrder = 10;
@@ -115,6 +116,18 @@ int parseBounces(const std::string& text) {
         throwUsage("--bounces {}: must be all or 1..{}", text, kMostBounces);
     }
     return *bounces;
+}
+
+int parseCaustics(const std::string& text) {
+    if (text == "none") {
+        return 0;
+    }
+    const std::optional<int> photons = parseNumber<int>(text);
+    if (!photons || *photons < kFewestPhotons || *photons > kMostPhotons) {
+        throwUsage("--caustics {}: must be none or {}..{} photons", text, kFewestPhotons,
+                   kMostPhotons);
+    }
+    return *photons;
 }
 
 void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params) {

@@ -31,6 +31,9 @@ int parseShOrder(const std::string& text);
 /// "all" (kAllBounces) or 1..64. Usage error otherwise.
 int parseBounces(const std::string& text);
 
+/// "none" (0) or 1000..1e8. Usage error otherwise.
+int parseCaustics(const std::string& text);
+
 /// --environment and what belongs to it, of any command that renders.
 void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params);
 

@@ -182,6 +182,16 @@ void addSamplingOptions(CLI::App& app, RenderOptions& o) {
                        "Bounces of indirect light: all, or so many at the most, 1..64; the octree "
                        "and records that are rasterised have 1")
             ->capture_default_str();
+    o.caustics_option =
+        app.add_option("--caustics", o.caustics,
+                       fmt::format("Photons that find what mirrors, smooth metals and polished "
+                                   "surfaces make of lights, in a layer of its own; none: it is "
+                                   "part of the indirect layer. Default: {} for radiance and "
+                                   "irradiance by rays; reference, which has no photons, keeps it "
+                                   "apart as well; none for all else",
+                                   p.caustics))
+            ->type_name("N|none")
+            ->default_str("");
     limited(app.add_option("--spp", p.spp, "reference, denoised: paths a pixel")
                 ->check(numberIn(1, 65536)),
             kTraced);
@@ -225,6 +235,21 @@ int bouncesOf(const RenderOptions& o) {
                    rasterised ? "--gather " + o.gather : "--method " + o.method);
     }
     return bounces;
+}
+
+// Apart where the method keeps them so, unless told otherwise.
+int causticsOf(const RenderOptions& o) {
+    const bool apart = findsCaustics(o.params.method, o.params.gather_road);
+    if (o.caustics_option->count() == 0) {
+        return apart ? o.params.caustics : 0;
+    }
+    const int photons = parseCaustics(o.caustics);
+    if (!apart && photons > 0) {
+        const bool cached = usesCache(o.params.method);
+        throwUsage("--caustics {}: {} does not keep them apart; use none", o.caustics,
+                   cached ? "--gather " + o.gather : "--method " + o.method);
+    }
+    return photons;
 }
 
 void checkFileOptions(const RenderOptions& o, FileKind kind) {
@@ -295,6 +320,7 @@ FileKind understand(RenderOptions& o) {
     parseExposure(o.exposure);
     parseView(o);
     checkMethodOptions(o);
+    o.params.caustics = causticsOf(o);
     o.output = o.output.empty() ? defaultOutput(o.scene) : o.output;
     const FileKind kind = imageKind(o.output);
     checkFileOptions(o, kind);

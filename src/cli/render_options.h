@@ -25,6 +25,7 @@ struct RenderOptions {
     std::string sh_order = "auto";
     std::string gather = "ray";
     std::string bounces = "all";
+    std::string caustics;  ///< by default as many photons as `params` says
     std::string exposure = "auto";
     std::string tone = "neutral";
     std::string layers = "basic";
@@ -42,6 +43,7 @@ struct RenderOptions {
     CLI::Option* layers_option = nullptr;
     CLI::Option* extent_option = nullptr;
     CLI::Option* bounces_option = nullptr;
+    CLI::Option* caustics_option = nullptr;
 };
 
 void addRenderOptions(CLI::App& app, RenderOptions& o);

@@ -25,8 +25,9 @@ Json shOrders(const std::vector<MaterialOrder>& orders) {
 std::vector<std::pair<const char*, double>> stagesOf(const StageSeconds& s) {
     return {{"load", s.load},       {"gbuffer", s.gbuffer},     {"shadow", s.shadow},
             {"bounces", s.bounces}, {"placement", s.placement}, {"gather", s.gather},
-            {"project", s.project}, {"splat", s.splat},         {"compose", s.compose},
-            {"trace", s.trace},     {"denoise", s.denoise},     {"write", s.write}};
+            {"project", s.project}, {"splat", s.splat},         {"caustics", s.caustics},
+            {"compose", s.compose}, {"trace", s.trace},         {"denoise", s.denoise},
+            {"write", s.write}};
 }
 
 std::string orderSummary(const std::vector<MaterialOrder>& orders) {
@@ -97,6 +98,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
     if (usesCache(o.params.method)) {
         json["gather"] = o.gather;
         json["elements"] = stats.elements;
+        json["caustic_photons"] = stats.caustic_photons;
         json["elements_missed_share"] = stats.elements_missed_share;
     }
     if (tracesPaths(o.params.method)) {
@@ -127,6 +129,10 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
             fmt::print(
                 "bounces   {}: kept at {} elements, none near for {:.2g}% of what asks them\n",
                 o.bounces, stats.elements, 100.0 * stats.elements_missed_share);
+        }
+        if (stats.caustic_photons > 0) {
+            fmt::print("caustics  {} photons of {} met what is seen\n", stats.caustic_photons,
+                       o.params.caustics);
         }
         if (std::isfinite(stats.estimated_rel_rmse)) {
             fmt::print("estimate  rel_rmse of the indirect light {:.1f}% ({:.1f} to {:.1f}%)\n",

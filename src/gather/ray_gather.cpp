@@ -84,10 +84,13 @@ struct TexelRays {
             of.push_back(texel);
         }
     }
-    std::vector<vec4> cast(const OutgoingLight& light, const vec3& eye,
+    std::vector<vec4> cast(const OutgoingLight& light, const vec3& eye, bool without_caustics,
                            vec3* planes = nullptr) const {
         std::vector<vec4> seen(directions.size());
-        light.cast({.origin = eye, .directions = directions, .solid_angles = solid_angles},
+        light.cast({.origin = eye,
+                    .directions = directions,
+                    .solid_angles = solid_angles,
+                    .without_caustics = without_caustics},
                    seen.data(), planes);
         return seen;
     }
@@ -361,7 +364,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
 
     const TexelRays first = raysThroughTexels(h, faces, site.geometric_normal, seed);
     std::vector<vec3> planes(first.of.size());
-    const std::vector<vec4> first_seen = first.cast(light_, eye, planes.data());
+    const std::vector<vec4> first_seen = first.cast(light_, eye, without_caustics_, planes.data());
     for (size_t i = 0; i < first.of.size(); ++i) {
         texels[first.of[i]] = first_seen[i];
         result.texels.planes[first.of[i]] = planes[i] * frame;  // into the record's frame
@@ -372,7 +375,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
     const float sharpness = static_cast<float>(h.params.size) / static_cast<float>(params_.size);
     heedContrasts(h, faces, eye, found, sharpness, contrasts);
     const TexelRays more = raysWhereLightChanges(h, faces, site.geometric_normal, seed, contrasts);
-    const std::vector<vec4> more_seen = more.cast(light_, eye);
+    const std::vector<vec4> more_seen = more.cast(light_, eye, without_caustics_);
     addRays(more, more_seen, contrasts, texels);
     result.rays = static_cast<int64_t>(first.of.size() + more.of.size());
     result.contrasts = findContrasts(h, texels, weights, more, more_seen, eye, frame);

@@ -24,8 +24,10 @@ class RayGatherer : public Gatherer {
   public:
     /// A hemicube alone: rays go through a face's texels, and a border's stand for what lies
     /// beyond.
-    RayGatherer(const OutgoingLight& light, const HemisphereParams& params)
-        : light_(light), params_(params) {
+    /// `without_caustics`: records know nothing of those (Rays).
+    RayGatherer(const OutgoingLight& light, const HemisphereParams& params,
+                bool without_caustics = false)
+        : light_(light), params_(params), without_caustics_(without_caustics) {
         SHEEN_CHECK(params.kind == HemisphereKind::kHemicube);
     }
 
@@ -50,6 +52,7 @@ class RayGatherer : public Gatherer {
 
     const OutgoingLight& light_;
     HemisphereParams params_;
+    bool without_caustics_;
     std::map<int, Resolution> resolutions_;  // by texels along the side
     int64_t rays_cast_ = 0;
 };

@@ -68,7 +68,8 @@ struct Row {
 // Adds what they see. `sharing`: so many rays there are of the lobe; each stands for its part of
 // it.
 void castRow(const OutgoingLight& light, const Receivers& receivers, size_t i,
-             const LobeStart& from, const Row& row, float sharing, SpecularSeen& result) {
+             const LobeStart& from, const Row& row, float sharing, bool without_caustics,
+             SpecularSeen& result) {
     const mat3 frame = tangentFrame(from.n);
     const vec3 wo_local = glm::transpose(frame) * from.wo;
     vec3 directions[kRowSamples];
@@ -95,7 +96,8 @@ void castRow(const OutgoingLight& light, const Receivers& receivers, size_t i,
     }
     light.cast({.origin = from.eye,
                 .directions = {directions, count},
-                .solid_angles = {solid_angles, count}},
+                .solid_angles = {solid_angles, count},
+                .without_caustics = without_caustics},
                seen);
     for (size_t k = 0; k < count; ++k) {
         result.light[halves[k]] += weights[k] * vec3(seen[k]);
@@ -119,6 +121,7 @@ SpecularSeen see(const OutgoingLight& light, const Receivers& receivers, size_t 
     // The halves are the fields of a chessboard of strata, which is which by chance: each is right
     // on average, and both together are as evenly spread as one set of rays.
     const int first = randomPlace(static_cast<uint32_t>(i), ~sample).x < 0.5f ? 1 : 0;
+    const bool without_caustics = params.caustics_apart && receivers.alpha(i) >= kSpecularAlpha;
     SpecularSeen result;
     for (int r = 0; r < rows; ++r) {
         Row row{.u = {}, .half = r + first};
@@ -129,7 +132,7 @@ SpecularSeen see(const OutgoingLight& light, const Receivers& receivers, size_t 
             row.u[k] = (vec2(r, k) + place) / vec2(rows, kRowSamples);
         }
         const LobeStart from = area ? placeInPixel(light, receivers, i, middle, r, rows) : middle;
-        castRow(light, receivers, i, from, row, all * sharing, result);
+        castRow(light, receivers, i, from, row, all * sharing, without_caustics, result);
     }
     const vec3 scale = 2.0f / (all * glm::max(receivers.specularAlbedo(i), vec3(1e-12f)));
     result.nearness /= all;

@@ -16,6 +16,8 @@ struct SpecularParams {
     /// Of pixels too glossy for the cache rays leave from all that they see of the middle's
     /// surface, not from the middle alone. Receivers are then the pixels of an image.
     bool pixel_area = false;
+    /// Lobes that are not specular see no caustics (Rays): those are of a layer of their own.
+    bool caustics_apart = false;
     float window = 2;  ///< typical deviation of the windows that share corrected pixels'
                        ///< rays, in pixels: rays see highlights as wide as all of them do
 };

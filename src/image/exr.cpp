@@ -145,10 +145,13 @@ void addLayers(Channels& channels, const Frame& frame, ExrLayers layers) {
     if (all || !frame.indirect_diffuse_variance.empty()) {
         channels.addColor("indirect_diffuse.", kRgb, frame.indirect_diffuse, true);
     }
+    channels.addColor("caustic.", kRgb, frame.caustic, true);
     channels.addIds(kPrimitiveChannel, frame.primitive);
     channels.addColor("variance.", kRgb, frame.indirect_variance, false);
     channels.addColor("variance_diffuse.", kRgb, frame.indirect_diffuse_variance, false);
     channels.addColor("variance_direct.", kRgb, frame.direct_variance, false);
+    channels.addColor("variance_caustic.", kRgb, frame.caustic_variance, false);
+    channels.addColor("variance_global.", kRgb, frame.global_variance, false);
     if (all) {
         channels.addColor("emission.", kRgb, frame.emission, true);
         channels.addColor("albedo.", kRgb, frame.albedo, true);

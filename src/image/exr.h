@@ -1,12 +1,15 @@
 // Frames as OpenEXR files: the lossless output of a render and the input of a comparison.
 //
 // Layers and their channels (design section 4):
-//   beauty R,G,B,A          direct + indirect + emission; A is 1 where geometry or a sky is seen,
-//   else 0 direct, indirect, indirect_diffuse, emission, albedo    .R .G .B normal, position .X .Y
-//   .Z roughness.Y depth.Z weight.Y records.Y primitive.id            unsigned integer,
-//   kNoPrimitive where nothing is seen variance, variance_diffuse, variance_direct    .R .G .B;
-//   variance of the mean of indirect,
-//                           indirect_diffuse, direct
+//   beauty R,G,B,A          direct + indirect + caustic + emission; A is 1 where geometry or a sky
+//                           is seen, else 0
+//   direct, indirect, caustic, indirect_diffuse, emission, albedo    .R .G .B
+//   normal, position        .X .Y .Z
+//   roughness.Y depth.Z weight.Y records.Y
+//   primitive.id            unsigned integer, kNoPrimitive where nothing is seen
+//   variance, variance_diffuse, variance_direct, variance_caustic, variance_global    .R .G .B;
+//                           variance of the mean of indirect, indirect_diffuse, direct, caustic,
+//                           and indirect + caustic
 // Colours, normals and roughness are half, everything else is float. A frame that carries variances
 // (the reference) keeps its colours in float as well, so that judging by it is exact.
 #pragma once
@@ -19,7 +22,8 @@
 namespace sheen {
 
 enum class ExrLayers {
-    kBasic,  ///< beauty, direct, indirect, primitive, variances and the layers they belong to
+    kBasic,  ///< beauty, direct, indirect, caustic, primitive, variances and the layers they belong
+             ///< to
     kAll,    ///< every layer the frame has
 };
 

@@ -13,7 +13,8 @@ Image<float> alpha(const Frame& frame) {
 
 Image<vec3> beauty(const Frame& frame) {
     Image<vec3> sum(frame.width(), frame.height());
-    for (const Image<vec3>* layer : {&frame.direct, &frame.indirect, &frame.emission}) {
+    for (const Image<vec3>* layer :
+         {&frame.direct, &frame.indirect, &frame.caustic, &frame.emission}) {
         if (layer->empty()) {
             continue;
         }

@@ -16,8 +16,9 @@ struct Frame {
     Image<vec3> direct;            ///< punctual lights and lamps, one scattering
     Image<vec3> indirect;          ///< design section 3; diffuse and specular
     Image<vec3> indirect_diffuse;  ///< its diffuse part
-    Image<vec3> emission;          ///< of what is seen; where that is nothing, the sky or black
-    bool shows_sky = false;        ///< pixels that see nothing are not transparent
+    Image<vec3> caustic;     ///< of lights, by specular surfaces alone; empty: part of indirect
+    Image<vec3> emission;    ///< of what is seen; where that is nothing, the sky or black
+    bool shows_sky = false;  ///< pixels that see nothing are not transparent
     Image<float> coverage;  ///< share of a pixel that sees a surface; empty: all or nothing, as its
                             ///< middle does
     // The G-buffer.
@@ -34,6 +35,8 @@ struct Frame {
     Image<vec3> indirect_variance;
     Image<vec3> indirect_diffuse_variance;
     Image<vec3> direct_variance;
+    Image<vec3> caustic_variance;
+    Image<vec3> global_variance;  ///< of indirect and caustic together
 
     int width() const { return primitive.width; }
     int height() const { return primitive.height; }
@@ -42,7 +45,8 @@ struct Frame {
 /// How much of a pixel is covered: the share that sees a surface or a sky that shows.
 Image<float> alpha(const Frame& frame);
 
-/// What the camera sees: direct + indirect + emission; a layer the frame lacks counts as black.
+/// What the camera sees: direct + indirect + caustic + emission; a layer the frame lacks counts as
+/// black.
 Image<vec3> beauty(const Frame& frame);
 
 }  // namespace sheen

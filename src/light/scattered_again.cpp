@@ -43,8 +43,11 @@ struct Ways {
     std::vector<vec3> origins, directions;
     std::vector<float> solid_angles;
 
-    Rays rays(size_t first, size_t count) const {
-        return Rays{.directions = directions, .solid_angles = solid_angles, .origins = origins}
+    Rays rays(size_t first, size_t count, bool without_caustics) const {
+        return Rays{.directions = directions,
+                    .solid_angles = solid_angles,
+                    .origins = origins,
+                    .without_caustics = without_caustics}
             .part(first, count);
     }
     void add(size_t ray, const vec3& weight, const vec3& origin, const vec3& direction,
@@ -279,8 +282,10 @@ template <class Light, class Ask>
 void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const Light& light,
                             const Ask& ask) const {
     const int most = mostFollowed();
+    // Ways by specular lobes alone, of rays that ask for no caustics, are the second.
+    std::array<Ways, 2> next;
     const auto goOn = [&](const Hit& hit, const vec3& wo, size_t ray, int followed,
-                          const vec3& weight, Ways& next) {
+                          const vec3& weight, bool without_caustics) {
         if (followed == bounces_ - 1) {
             return;  // scattered often enough
         }
@@ -289,23 +294,22 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
         const bool known = ask(ray, followed, q, weight,
                                last && q.glossy ? q.glossy->specular_albedo : vec3(0.0f));
         if (!last && !known) {
-            q.followDiffuse(scene(), ray, weight, next);
+            q.followDiffuse(scene(), ray, weight, next[0]);
         }
         if (!last && q.glossy) {
-            q.followLobe(scene(), ray, weight, next);
+            const bool specular = without_caustics && isSpecular(q.glossy->surface.brdf);
+            q.followLobe(scene(), ray, weight, next[specular ? 1 : 0]);
         }
     };
-    Ways next;
     for (size_t i = 0; i < hits.size(); ++i) {
         if (hits[i].found()) {
-            goOn(hits[i], -rays.directions[i], i, 0, vec3(1.0f), next);
+            goOn(hits[i], -rays.directions[i], i, 0, vec3(1.0f), rays.without_caustics);
         }
     }
-    for (int followed = 1; !next.of.empty(); ++followed) {
-        const Ways ways = std::exchange(next, {});
+    const auto pursue = [&](const Ways& ways, int followed, bool without_caustics) {
         for (size_t first = 0; first < ways.of.size(); first += kTogether) {
             const size_t count = std::min(kTogether, ways.of.size() - first);
-            const Rays cast = ways.rays(first, count);
+            const Rays cast = ways.rays(first, count, without_caustics);
             Hit met[kTogether];
             vec3 seen[kTogether];
             tracer().meet(cast, met);
@@ -315,10 +319,16 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
                 if (met[i].found()) {
                     const vec3& weight = ways.weights[first + i];
                     light(ways.of[first + i], followed, weight * seen[i]);
-                    goOn(met[i], -cast.directions[i], ways.of[first + i], followed, weight, next);
+                    goOn(met[i], -cast.directions[i], ways.of[first + i], followed, weight,
+                         without_caustics);
                 }
             }
         }
+    };
+    for (int followed = 1; !next[0].of.empty() || !next[1].of.empty(); ++followed) {
+        const std::array<Ways, 2> ways = std::exchange(next, {});
+        pursue(ways[0], followed, false);
+        pursue(ways[1], followed, true);
     }
 }
 

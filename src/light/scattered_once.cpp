@@ -9,6 +9,18 @@
 #include "rays/surface_point.h"
 
 namespace sheen {
+namespace {
+
+// Of a specular surface what its lobe makes of lights is left out where rays ask for the rest.
+Scatterer withoutCaustics(const Rays& rays, Scatterer surface) {
+    if (rays.without_caustics && isSpecular(surface.brdf)) {
+        surface.brdf.f0 = vec3(0.0f);
+        surface.brdf.f90 = 0.0f;
+    }
+    return surface;
+}
+
+}  // namespace
 
 // A hit, and what is known of its light.
 struct ScatteredOnce::Lit {
@@ -111,7 +123,7 @@ void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
                 surfaces[k] = scattererAt(scene(), points[k]);
             }
             const size_t ray = lacking[k].ray;
-            Scatterer surface = *surfaces[k];
+            Scatterer surface = withoutCaustics(rays, *surfaces[k]);
             surface.brdf.alpha =
                 shared::filteredAlpha(surface.brdf.alpha, rays.solidAngle(ray),
                                       lacking[k].hit->distance, samples[k].distance);
@@ -243,6 +255,7 @@ void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3*
         }
         Asked& p = points[count];
         p = pointAt(hit, vec2(hit.u, hit.v), -rays.directions[l.ray]);
+        p.surface = withoutCaustics(rays, p.surface);
         p.seed = hashOfPoint(hit.triangle, hit.u, hit.v);
         p.solid_angle = rays.solidAngle(l.ray);
         p.distance = hit.distance;

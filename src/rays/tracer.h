@@ -22,6 +22,8 @@ struct Rays {
     /// wide as it is (filteredAlpha() in brdf.glsl). None: each ray stands for itself.
     std::span<const float> solid_angles = {};
     std::span<const vec3> origins = {};  ///< as many as directions; none: all start at `origin`
+    /// What specular surfaces alone make of lights does not count: it is kept apart (caustics.h).
+    bool without_caustics = false;
 
     const vec3& originOf(size_t i) const { return origins.empty() ? origin : origins[i]; }
     float solidAngle(size_t i) const { return solid_angles.empty() ? 0.0f : solid_angles[i]; }
@@ -31,7 +33,8 @@ struct Rays {
                 .directions = directions.subspan(first, count),
                 .solid_angles =
                     solid_angles.empty() ? solid_angles : solid_angles.subspan(first, count),
-                .origins = origins.empty() ? origins : origins.subspan(first, count)};
+                .origins = origins.empty() ? origins : origins.subspan(first, count),
+                .without_caustics = without_caustics};
     }
 };
 

@@ -18,7 +18,7 @@ constexpr uint32_t kBrdfSeed = 0x62726466u;
 
 // What a light sends by way of a surface toward its wo if nothing is between them.
 struct Arriving {
-    vec3 radiance{0.0f};
+    Scattered light;
     ShadowRay way;  // of distance 0 where no ray is needed
 };
 
@@ -29,10 +29,11 @@ Arriving arrivingFrom(const PunctualLight& light, const Surface& s) {
         return {};
     }
     Arriving arriving;
-    arriving.radiance = shared::evalBrdf(s.brdf, s.n, s.wo, sample.wi) * sample.irradiance * NoL;
-    if (black(arriving.radiance)) {
+    arriving.light.all = shared::evalBrdf(s.brdf, s.n, s.wo, sample.wi) * sample.irradiance * NoL;
+    if (black(arriving.light.all)) {
         return {};
     }
+    arriving.light.diffuse = s.brdf.diffuse / kPi * sample.irradiance * NoL;
     arriving.way = {.origin = s.rayOrigin(), .direction = sample.wi, .distance = kInfinity};
     if (sample.distance >= 0.0f) {
         const vec3 to_light = light.position - arriving.way.origin;
@@ -47,18 +48,22 @@ Arriving arrivingFrom(const PunctualLight& light, const Surface& s) {
 
 bool black(const vec3& v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
 
-vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) {
-    vec3 sum(0.0f);
+Scattered scatterPunctual(const RayScene& rays, const Surface& s, Counters& counters) {
+    Scattered sum;
     for (const PunctualLight& light : rays.scene().lights) {
         const Arriving arriving = arrivingFrom(light, s);
-        if (black(arriving.radiance)) {
+        if (black(arriving.light.all)) {
             continue;
         }
         ++counters.rays;
-        sum += arriving.way.distance == 0.0f ? arriving.radiance
-                                             : rays.passing(arriving.way) * arriving.radiance;
+        const float share = arriving.way.distance == 0.0f ? 1.0f : rays.passing(arriving.way);
+        sum.add({.all = share * arriving.light.all, .diffuse = share * arriving.light.diffuse});
     }
     return sum;
+}
+
+vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters) {
+    return scatterPunctual(rays, s, counters).all;
 }
 
 void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec3* radiance,
@@ -72,9 +77,9 @@ void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec
         bool any = false;
         for (size_t k = 0; k < surfaces.size(); ++k) {
             const Arriving arriving = arrivingFrom(light, surfaces[k]);
-            unshadowed[k] = arriving.radiance;
+            unshadowed[k] = arriving.light.all;
             ways[k] = arriving.way;
-            if (!black(arriving.radiance)) {
+            if (!black(arriving.light.all)) {
                 ++counters.rays;
                 any = true;
             }

@@ -19,13 +19,6 @@ struct Counters {
 
 bool black(const vec3& v);
 
-/// Radiance, nits, that punctual lights send from the surface toward its wo: one shadow ray each.
-vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters);
-
-/// The same for up to RayScene::kPacket surfaces near each other, cheaper; as many `radiance`.
-void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec3* radiance,
-                    Counters& counters);
-
 /// Radiance that leaves a surface toward its wo, and what of it the diffuse term scattered.
 struct Scattered {
     vec3 all{0.0f};
@@ -35,7 +28,19 @@ struct Scattered {
         all += other.all;
         diffuse += other.diffuse;
     }
+    /// What of it the lobe of a specular surface scattered (isSpecular()); none of other surfaces.
+    vec3 specular(const Brdf& brdf) const { return isSpecular(brdf) ? all - diffuse : vec3(0.0f); }
 };
+
+/// Radiance, nits, that punctual lights send from the surface toward its wo: one shadow ray each.
+vec3 directRadiance(const RayScene& rays, const Surface& s, Counters& counters);
+
+/// The same for up to RayScene::kPacket surfaces near each other, cheaper; as many `radiance`.
+void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec3* radiance,
+                    Counters& counters);
+
+/// The same of one surface, and what of it the diffuse term scattered.
+Scattered scatterPunctual(const RayScene& rays, const Surface& s, Counters& counters);
 
 /// One estimate of what lamps and sky send from a surface consists of two halves, each weighed
 /// against the other. Of a chosen light:

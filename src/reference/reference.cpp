@@ -10,6 +10,7 @@
 #include "core/progress.h"
 #include "reference/guide.h"
 #include "reference/light.h"
+#include "reference/paths.h"
 #include "reference/replicates.h"
 #include "reference/sampling.h"
 #include "reference/sobol.h"
@@ -27,37 +28,12 @@ constexpr uint32_t kGuideSeed = 0xffffffffu;
 constexpr int kSmallestGuide = 16;
 constexpr int kLargestGuide = 64;
 
-// Of the directions toward lamps and sky chosen at a path's vertices, and of direct light.
-constexpr uint32_t kLampSeed = 0x6c616d70u;
-constexpr uint32_t kSkySeed = 0x736b7900u;
+// Of direct light.
 constexpr uint32_t kDirectSeed = 0x64697265u;
 
 // Of the places in a pixel that paths see, where they see all of it.
 constexpr uint32_t kPlaceSeed = 0x706c6163u;
 constexpr uint32_t kPartSeed = 0x70617274u;
-
-// Of all bounces these are always followed; then a path goes on with the chance that is the
-// brightest of what its channels have left, but never surely, so that it ends in white rooms too.
-constexpr int kSureBounces = 3;
-constexpr float kLikeliest = 0.95f;
-constexpr uint32_t kRouletteSeed = 0x726f756cu;
-
-// Where a path starts: the point it leaves and how it leaves it.
-struct Start {
-    Surface p;
-    BrdfSampler sampler;
-
-    explicit Start(const Surface& surface)
-        : p(surface), sampler(surface.brdf, surface.specular_albedo, surface.n, surface.wo) {}
-};
-
-struct Context {
-    const RayScene& rays;
-    const Lights& lights;
-    const ReferenceParams& params;
-    int samples_per_replicate;
-    int guide_size;  // cells along a side; 0: no guide
-};
 
 // What a path of a pixel starts from.
 struct PathStart {
@@ -125,108 +101,6 @@ class Pixel {
     PathStart on_;
 };
 
-// What lights of all kinds send from a path's vertex, but for the half of lamps and sky that the
-// path's next ray finds.
-vec3 lightAtVertex(const Context& context, const Surface& q, const BrdfSampler& sampler,
-                   uint32_t index, uint32_t seed, Counters& counters) {
-    const RayScene& rays = context.rays;
-    const Lights& lights = context.lights;
-    vec3 radiance = directRadiance(rays, q, counters);
-    if (!lights.lamps.empty()) {
-        const LightChoice lamp =
-            lights.lamps.choose(q.rayOrigin(), owenSobol(index, hashCombine(seed, kLampSeed)));
-        radiance += scatterChosen(rays, q, sampler, lamp, counters).all;
-    }
-    if (!lights.sky.empty()) {
-        const LightChoice sky =
-            lights.sky.choose(q.rayOrigin(), owenSobol(index, hashCombine(seed, kSkySeed)));
-        radiance += scatterChosen(rays, q, sampler, sky, counters).all;
-    }
-    return radiance;
-}
-
-// Radiance that a path brings to its start from where it goes by `first`. Lamps that the first ray
-// meets are direct light and do not count.
-vec3 followPath(const Context& context, const Surface& start, const DirectionSample& first,
-                uint32_t index, uint32_t seed, Counters& counters) {
-    const RayScene& rays = context.rays;
-    const int bounces = context.params.bounces;
-    Surface from = start;
-    vec3 wi = first.wi;
-    float pdf = first.pdf;
-    vec3 throughput(1.0f);
-    vec3 radiance(0.0f);
-    for (int bounce = 1; opensToward(from, wi); ++bounce) {
-        const RayHit hit = nextHit(rays, from, wi, counters);
-        if (!hit.found()) {
-            radiance += throughput * skyMet(context.lights, wi, pdf);
-            break;
-        }
-        const Surface q = rays.surfaceAt(hit, -wi);
-        if (bounce > 1) {
-            radiance +=
-                throughput * lampMet(context.lights, q, hit.triangle, from.rayOrigin(), pdf);
-        }
-        if (bounce > bounces) {
-            break;
-        }
-        const BrdfSampler sampler(q.brdf, q.specular_albedo, q.n, q.wo);
-        const uint32_t bounce_seed = hashCombine(seed, static_cast<uint32_t>(bounce));
-        radiance += throughput * lightAtVertex(context, q, sampler, index, bounce_seed, counters);
-        // The last vertex needs one more ray where that may find a lamp or the sky.
-        if (bounce == bounces && context.lights.empty()) {
-            break;
-        }
-
-        // Continue the path from q.
-        const DirectionSample next =
-            sampleBrdf(sampler, q.brdf, q.n, q.wo, owenSobol(index, bounce_seed));
-        if (black(next.weight)) {
-            break;
-        }
-        throughput *= next.weight;
-        if (bounces == kAllBounces && bounce > kSureBounces) {
-            const float chance =
-                std::min(std::max({throughput.x, throughput.y, throughput.z}), kLikeliest);
-            // So that a path of no number ends too.
-            if (!(owenSobol(index, hashCombine(bounce_seed, kRouletteSeed)).x < chance)) {
-                break;
-            }
-            throughput /= chance;
-        }
-        wi = next.wi;
-        pdf = next.pdf;
-        from = q;
-    }
-    return radiance;
-}
-
-// One sample of the indirect light that arrives in directions chosen by the BRDF.
-Scattered samplePath(const Context& context, const Start& start, const Guide& guide, uint32_t index,
-                     uint32_t seed, Counters& counters) {
-    const Surface& p = start.p;
-    const GuidedPoint guided = guide.warp(owenSobol(index, seed));
-    const DirectionSample first = sampleBrdf(start.sampler, p.brdf, p.n, p.wo, guided.u);
-    if (context.params.bounces == 0 || black(first.weight)) {
-        return {};
-    }
-    vec3 radiance = followPath(context, p, first, index, seed, counters);
-    radiance *= guided.weight;
-    return {.all = first.weight * radiance, .diffuse = first.diffuse * radiance};
-}
-
-// And of what of the sky's light the other half of the estimate brings: by directions toward it.
-// (Weights of both halves are those of plain BRDF samples: they add up to one whatever the guide.)
-Scattered sampleSkyFromStart(const Context& context, const Start& start, uint32_t index,
-                             uint32_t seed, Counters& counters) {
-    if (context.params.bounces == 0 || context.lights.sky.empty()) {
-        return {};
-    }
-    const LightChoice choice = context.lights.sky.choose(
-        start.p.rayOrigin(), owenSobol(index, hashCombine(seed, kSkySeed)));
-    return scatterChosen(context.rays, start.p, start.sampler, choice, counters);
-}
-
 // A guide from one sample a cell, sample(index, u) its radiance: an aligned block of 4^k Sobol
 // points has one in each.
 template <class Sample>
@@ -252,31 +126,37 @@ void estimateIndirect(const Context& context, const Pixel& pixel, Frame& frame,
     const uint32_t guide_seed = hashCombine(pixel.seed(), kGuideSeed);
     const Guide guide = learnGuide(context.guide_size, guide_seed, [&](uint32_t i, const vec2&) {
         const PathStart from = pixel.start(i, guide_seed, counters);
-        return from.start ? samplePath(context, *from.start, {}, i, guide_seed, counters).all
-                          : vec3(0.0f);
+        if (!from.start) {
+            return vec3(0.0f);
+        }
+        const PathSample path = samplePath(context, *from.start, {}, i, guide_seed, counters);
+        return path.indirect.all + path.caustic;
     });
-    Replicates all, diffuse;
+    Replicates all, diffuse, caustic, global;
     for (int replicate = 0; replicate < params.replicates; ++replicate) {
         const uint32_t seed = hashCombine(pixel.seed(), static_cast<uint32_t>(replicate));
-        dvec3 all_sum(0.0), diffuse_sum(0.0);
+        dvec3 all_sum(0.0), diffuse_sum(0.0), caustic_sum(0.0);
         for (int i = 0; i < context.samples_per_replicate; ++i) {
             const auto index = static_cast<uint32_t>(i);
             const PathStart from = pixel.start(index, seed, counters);
             if (!from.start) {
                 continue;
             }
-            Scattered sample = samplePath(context, *from.start, guide, index, seed, counters);
-            sample.add(sampleSkyFromStart(context, *from.start, index, seed, counters));
-            if (!finite(sample.all) || !finite(sample.diffuse)) {
+            PathSample sample = samplePath(context, *from.start, guide, index, seed, counters);
+            sample.indirect.add(sampleSkyFromStart(context, *from.start, index, seed, counters));
+            if (!sample.isFinite()) {
                 ++counters.nonfinite;
                 continue;
             }
-            all_sum += dvec3(sample.all);
-            diffuse_sum += dvec3(sample.diffuse);
+            all_sum += dvec3(sample.indirect.all);
+            diffuse_sum += dvec3(sample.indirect.diffuse);
+            caustic_sum += dvec3(sample.caustic);
         }
         const double samples = context.samples_per_replicate;
         all.add(all_sum / samples);
         diffuse.add(diffuse_sum / samples);
+        caustic.add(caustic_sum / samples);
+        global.add((all_sum + caustic_sum) / samples);
     }
     const float share = pixel.share();
     frame.indirect.at(pixel.x(), pixel.y()) += share * vec3(all.mean);
@@ -284,6 +164,11 @@ void estimateIndirect(const Context& context, const Pixel& pixel, Frame& frame,
     frame.indirect_diffuse.at(pixel.x(), pixel.y()) += share * vec3(diffuse.mean);
     frame.indirect_diffuse_variance.at(pixel.x(), pixel.y()) +=
         share * share * diffuse.varianceOfMean();
+    if (!frame.caustic.empty()) {
+        frame.caustic.at(pixel.x(), pixel.y()) += share * vec3(caustic.mean);
+        frame.caustic_variance.at(pixel.x(), pixel.y()) += share * share * caustic.varianceOfMean();
+        frame.global_variance.at(pixel.x(), pixel.y()) += share * share * global.varianceOfMean();
+    }
 }
 
 // A guide of where on the lamps the light of a pixel comes from: not from their backs, nor from
@@ -436,10 +321,12 @@ ReferenceResult renderPlaces(const Scene& scene, const ReferenceParams& params,
     const Timer timer;
     const RayScene rays(scene);
     const Lights lights(scene);
+    ReferenceParams apart = params;
+    apart.caustics_apart = params.caustics_apart && anySpecular(scene);
     const Context context{
         .rays = rays,
         .lights = lights,
-        .params = params,
+        .params = apart,
         .samples_per_replicate = (params.spp + params.replicates - 1) / params.replicates,
         .guide_size = guideSize(params)};
 
@@ -450,6 +337,12 @@ ReferenceResult renderPlaces(const Scene& scene, const ReferenceParams& params,
          {&result.frame.indirect_variance, &result.frame.indirect_diffuse_variance,
           &result.frame.direct_variance, &result.specular_albedo}) {
         *layer = Image<vec3>(params.width, params.height, vec3(0.0f));
+    }
+    if (apart.caustics_apart) {
+        for (Image<vec3>* layer : {&result.frame.caustic, &result.frame.caustic_variance,
+                                   &result.frame.global_variance}) {
+            *layer = Image<vec3>(params.width, params.height, vec3(0.0f));
+        }
     }
     if (params.pixel_area || std::any_of(scene.materials.begin(), scene.materials.end(),
                                          [](const Material& m) { return m.blended; })) {

@@ -7,6 +7,9 @@
 //   indirect(p) = integral over the hemisphere of the shading normal of f cos [direct(q) + sky(q)],
 //                 q: the first surface seen in that direction; where there is none, of f cos sky;
 //                 sky(q): what of the sky's light q scatters.
+//   caustic(p)  = of indirect(p), the paths on which all surfaces between p and the light scatter
+//   by
+//                 specular lobes, and p does not: it is taken out there where it is wanted apart.
 // More bounces continue the path from q to a fixed depth or, for all of them, until it ends by
 // Russian roulette. Lamps are the triangles that emit. Their
 // light and the sky's is estimated twice at each vertex, by directions toward them and by those of
@@ -40,6 +43,9 @@ struct ReferenceParams {
     /// Light is that of the pixel's whole area, by paths from everywhere in it, instead of its
     /// middle's; the G-buffer stays that of the middle.
     bool pixel_area = false;
+    /// What specular surfaces alone make of lights is a layer of its own, where there are any;
+    /// else it is part of the indirect light.
+    bool caustics_apart = false;
     uint32_t seed = 0;
     bool quiet = false;  ///< no progress
 };

@@ -22,7 +22,7 @@ bool emits(const Scene& scene) {
 
 // Bytes that so many pixels take, at the most (docs/stability.md).
 uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t pixels) {
-    constexpr uint64_t kByPaths = 230;
+    constexpr uint64_t kByPaths = 270;
     constexpr uint64_t kByRecords = 230;
     constexpr uint64_t kDrawn = 100;    // what OpenGL holds of pixels that are splatted together
     constexpr uint64_t kByRays = 320;   // what rays saw and how it is filtered
@@ -61,6 +61,7 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kPerTriangle = 650;
     constexpr uint64_t kKept = uint64_t{112} << 20;  // light of more than one bounce
     constexpr uint64_t kKeptPerTriangle = 40;
+    constexpr uint64_t kPerPhoton = 160;  // as it is found, and in the map
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
     constexpr uint64_t kCells = uint64_t{16} << 20;  // of lamps', many lights' and the sky's light
@@ -69,12 +70,16 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     const bool keeps = records && params.bounces > 1;
     const uint64_t kept = keeps ? kKept + kKeptPerTriangle * scene.triangles.size() : 0;
     const uint64_t cells = records ? kCells + kCellsPerTriangle * scene.triangles.size() : 0;
-    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept + cells +
+    const bool caustics =
+        records && findsCaustics(params.method, params.gather_road) && anySpecular(scene);
+    const uint64_t photons = caustics ? kPerPhoton * static_cast<uint64_t>(params.caustics) : 0;
+    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept + cells + photons +
                           kPerTriangle * scene.triangles.size(),
                  .threads = threadCount()},
                 fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
                             scene.triangles.size()),
-                "choose a smaller --size, or fewer --threads below an address limit");
+                "choose a smaller --size or fewer --caustics, or fewer --threads below an address "
+                "limit");
 }
 
 }  // namespace sheen

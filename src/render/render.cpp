@@ -38,15 +38,17 @@ void countPixels(RenderResult& result) {
 int replicatesFor(int spp) { return spp < 1024 ? 4 : 16; }
 
 RenderResult renderByPaths(const Scene& scene, const RenderParams& params) {
-    ReferenceResult traced = renderReference(scene, {.width = params.width,
-                                                     .height = params.height,
-                                                     .camera = findCamera(scene, params.camera),
-                                                     .bounces = params.bounces,
-                                                     .spp = params.spp,
-                                                     .replicates = replicatesFor(params.spp),
-                                                     .pixel_area = params.aa > 1,
-                                                     .seed = params.seed,
-                                                     .quiet = params.quiet});
+    ReferenceResult traced = renderReference(
+        scene, {.width = params.width,
+                .height = params.height,
+                .camera = findCamera(scene, params.camera),
+                .bounces = params.bounces,
+                .spp = params.spp,
+                .replicates = replicatesFor(params.spp),
+                .pixel_area = params.aa > 1,
+                .caustics_apart = params.caustics > 0 && params.method == Method::kReference,
+                .seed = params.seed,
+                .quiet = params.quiet});
     RenderResult result;
     result.stats.seconds.trace = traced.seconds;
     result.stats.mrays_per_second = traced.mrays_per_second;
@@ -101,9 +103,10 @@ void dropTargets() {
 
 std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const ViewState& view,
                                        const HemisphereParams& hemisphere) {
+    const bool without_caustics = !view.caustic.empty();
     switch (state.road) {
         case GatherRoad::kRays:
-            return std::make_unique<RayGatherer>(*view.outgoing, hemisphere);
+            return std::make_unique<RayGatherer>(*view.outgoing, hemisphere, without_caustics);
         case GatherRoad::kRaster:
             return std::make_unique<RasterGatherer>(state.pool, state.gpu, hemisphere);
     }
@@ -128,8 +131,11 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     if (state.road != GatherRoad::kRays) {
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
-    RayGatherer gatherer(*view.outgoing, seen);
-    gatherProbes(state.scene, view.receivers, view.field, gatherer, *view.outgoing, params.specular,
+    const bool without_caustics = !view.caustic.empty();
+    SpecularParams specular = params.specular;
+    specular.caustics_apart = without_caustics;
+    RayGatherer gatherer(*view.outgoing, seen, without_caustics);
+    gatherProbes(state.scene, view.receivers, view.field, gatherer, *view.outgoing, specular,
                  probes);
     return estimateError(errors, probes, view.receivers, indirect);
 }
@@ -260,6 +266,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
         counts.add(smoothEdges(state, view, placement.cache, how, hemisphere,
                                {view.receivers, splat, specular}, result));
     }
+    result.frame.caustic = view.caustic;
     if (params.all_layers) {
         result.frame.records = countRecords(view.receivers, placement.cache, how.servingWeight());
     }
@@ -382,6 +389,7 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     stats.corrected_share = counts.corrected / seen;
     stats.too_glossy_share = counts.too_glossy / seen;
     stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
+    stats.caustic_photons = view.caustic_photons;
     if (view.again) {
         stats.elements = view.again->elementCount();
         stats.elements_missed_share = view.again->missedShare();
@@ -403,6 +411,10 @@ bool smoothsEdges(Method method, GatherRoad road) {
             return false;
     }
     throw std::logic_error("unknown method");
+}
+
+bool findsCaustics(Method method, GatherRoad road) {
+    return method != Method::kDenoised && smoothsEdges(method, road);
 }
 
 Session::Session(const Scene& scene) : scene_(scene) {}

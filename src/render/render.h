@@ -47,6 +47,10 @@ struct RenderParams {
     SpecularParams specular;
     /// So often light is scattered, at the most, on its way to where it is indirect light.
     int bounces = kAllBounces;
+    /// Photons by which it is found what specular surfaces make of lights (Frame::caustic); more
+    /// are better. 0: that is part of the indirect light. The reference, which has no photons,
+    /// keeps it apart as well. No cost where a scene has no such surfaces.
+    int caustics = 1'000'000;
     // The path tracer, plain and denoised.
     int spp = 256;  ///< paths a pixel, over all replicates
     uint32_t seed = 0;
@@ -64,7 +68,7 @@ struct MaterialOrder {
 /// program.
 struct StageSeconds {
     double total = 0, load = 0, gbuffer = 0, shadow = 0, bounces = 0, placement = 0, gather = 0,
-           project = 0, splat = 0, compose = 0, trace = 0, denoise = 0, write = 0;
+           project = 0, splat = 0, caustics = 0, compose = 0, trace = 0, denoise = 0, write = 0;
 };
 
 /// What the program prints and writes as --json.
@@ -92,6 +96,7 @@ struct RenderStats {
     /// them none was near (ScatteredAgain).
     size_t elements = 0;
     double elements_missed_share = 0;
+    size_t caustic_photons = 0;  ///< kept, on what is seen
     std::vector<MaterialOrder> sh_order;
     std::string gl_renderer;      ///< empty where none was used
     double mrays_per_second = 0;  ///< path-traced methods only
@@ -107,6 +112,9 @@ struct RenderResult {
 constexpr int kSmoothEdges = 16;
 /// Whether the method heeds RenderParams::aa.
 bool smoothsEdges(Method method, GatherRoad road);
+
+/// Whether the method heeds RenderParams::caustics.
+bool findsCaustics(Method method, GatherRoad road);
 
 /// No target error makes records finer than this.
 constexpr float kFinestAccuracy = 0.03f;

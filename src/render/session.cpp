@@ -2,8 +2,10 @@
 
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "light/caustics.h"
 #include "light/direct.h"
 #include "light/place_elements.h"
+#include "render/caustics.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -33,6 +35,7 @@ auto timed(double& stage, const Make& make) {
 SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seconds)
     : scene(scene_),
       road(road_),
+      specular(anySpecular(scene)),
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
       tracer(timed(seconds.gather, [&] { return Tracer(scene); })),
@@ -41,6 +44,10 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
         const StageTimer timer(seconds.shadow);
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
     }
+}
+
+bool SceneState::keepsCausticsApart(const RenderParams& params) const {
+    return specular && params.caustics > 0 && road == GatherRoad::kRays;
 }
 
 void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds) {
@@ -109,14 +116,44 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
                       state.near, params.bounces);
         outgoing = &*again;
     }
+    SpecularParams by_rays = params.specular;
+    if (state.keepsCausticsApart(params)) {
+        const StageTimer timer(seconds.caustics);
+        findCaustics(state, params);
+        by_rays.caustics_apart = true;
+    }
     const StageTimer timer(seconds.gather);
     if (receivers.anyByRays()) {
-        specular = traceSpecular(*outgoing, receivers, params.specular);
+        specular = traceSpecular(*outgoing, receivers, by_rays);
     }
     if (edges && edges->strays.anyByRays()) {
-        SpecularParams alone = params.specular;
+        SpecularParams alone = by_rays;
         alone.pixel_area = false;
         stray_specular = traceSpecular(*outgoing, edges->strays, alone);
+    }
+}
+
+void ViewState::findCaustics(const SceneState& state, const RenderParams& params) {
+    const Receivers none;
+    const Receivers& strays = edges ? edges->strays : none;
+    std::vector<vec3> points;
+    for (const Receivers* seen : std::initializer_list<const Receivers*>{&receivers, &strays}) {
+        for (size_t i = 0; i < seen->positions.size(); ++i) {
+            if (seen->seen(i)) {
+                points.push_back(seen->positions[i]);
+            }
+        }
+    }
+    const SeenSpace space(points);
+    const PhotonMap photons(
+        traceCaustics(state.tracer, state.lights, space, params.caustics, params.bounces),
+        space.reach());
+    caustic_photons = photons.size();
+    const CausticLight of_pixels = causticLight(state.tracer, photons, receivers);
+    caustic = causticLayer(receivers, of_pixels);
+    if (edges) {
+        blendCaustics(*edges, {receivers, of_pixels},
+                      {strays, causticLight(state.tracer, photons, strays)}, caustic);
     }
 }
 

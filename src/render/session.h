@@ -20,6 +20,7 @@ namespace sheen {
 struct SceneState {
     const Scene& scene;
     const GatherRoad road;
+    const bool specular;  // some surface is
     gl::WorkerPool pool;
     Tracer tracer;
     SceneLights lights;
@@ -30,6 +31,8 @@ struct SceneState {
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
     SceneState(const Scene& scene, GatherRoad road, StageSeconds& seconds);
     ~SceneState();
+    /// Whether its caustics are a layer of their own.
+    bool keepsCausticsApart(const RenderParams& params) const;
     /// Makes cells and shadow maps for what is near a view (nearBoxes()), unless there are such.
     void prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds);
 };
@@ -40,7 +43,9 @@ struct ViewState {
     std::optional<ScatteredAgain> again;      // its own; none of one bounce
     const OutgoingLight* outgoing = nullptr;  // what rays see
     Receivers receivers;
-    Image<SpecularSeen> specular;        // by rays of the pixels' own; empty where none needs them
+    Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
+    Image<vec3> caustic;           // of pixels, edges smoothed; empty where there are none
+    size_t caustic_photons = 0;
     std::optional<Edges> edges;          // none where only the pixels' middles count
     Image<SpecularSeen> stray_specular;  // likewise, of the edges' strays
     RecordField field;
@@ -56,6 +61,9 @@ struct ViewState {
     /// rays see the same.
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
               const ViewState* ground);
+
+  private:
+    void findCaustics(const SceneState& state, const RenderParams& params);
 };
 
 }  // namespace sheen

@@ -9,8 +9,8 @@
 namespace sheen {
 namespace {
 
-constexpr Image<vec3> Frame::*kLights[] = {&Frame::direct, &Frame::indirect,
-                                           &Frame::indirect_diffuse, &Frame::emission};
+constexpr Image<vec3> Frame::*kLights[] = {
+    &Frame::direct, &Frame::indirect, &Frame::indirect_diffuse, &Frame::caustic, &Frame::emission};
 
 void dim(Frame& frame, const Image<float>& share) {
     for (Image<vec3> Frame::*light : kLights) {

@@ -147,6 +147,39 @@ MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& bar
     return params;
 }
 
+bool maybeSpecular(const Scene& scene, const Material& material) {
+    const MaterialParams& params = material.params;
+    const auto is_smooth = [](float roughness) {
+        return shared::alphaFromRoughness(roughness) < kSpecularAlpha;
+    };
+    if (material.unlit || (params.metallic == 0.0f && params.specular == 0.0f)) {
+        return false;  // Lambertian
+    }
+    const TextureUse& texture = material.textures[shared::TEXTURE_METALLIC_ROUGHNESS];
+    if (!texture.used()) {
+        return is_smooth(params.roughness);
+    }
+    const std::vector<vec4> texels =
+        linearTexels(scene, scene.textures[static_cast<size_t>(texture.texture)]);
+    return std::any_of(texels.begin(), texels.end(), [&](const vec4& texel) {
+        return is_smooth(
+            shared::withTexel(params, shared::TEXTURE_METALLIC_ROUGHNESS, texel).roughness);
+    });
+}
+
+bool anySpecular(const Scene& scene) {
+    std::vector<bool> used(scene.materials.size(), false);
+    for (const uint32_t material : scene.materials_of) {
+        used[material] = true;
+    }
+    for (size_t i = 0; i < used.size(); ++i) {
+        if (used[i] && maybeSpecular(scene, scene.materials[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
 vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
     const Material& material = scene.materials[scene.materials_of[triangle]];
     vec3 emission = material.params.emission;

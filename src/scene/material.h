@@ -14,6 +14,13 @@ namespace sheen {
 using shared::Brdf;
 using shared::MaterialParams;
 
+/// A lobe narrower than this alpha is specular: what it makes of lights is a caustic where it falls
+/// on surfaces that are not.
+constexpr float kSpecularAlpha = 0.15f;
+
+/// Whether the specular lobe of a surface, if it has one, is specular in that sense.
+inline bool isSpecular(const Brdf& brdf) { return brdf.alpha < kSpecularAlpha; }
+
 /// An image as the file stores it, without any transfer function: [y][x][4], first row first, red,
 /// green, blue and alpha.
 struct TextureImage {

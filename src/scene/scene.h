@@ -133,6 +133,12 @@ ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& bary
 /// All texels of a texture, [y][x], in linear light.
 std::vector<vec4> linearTexels(const Scene& scene, const Texture& texture);
 
+/// Whether some point of some surface may be specular (isSpecular()), and reflect so. Texels are
+/// looked at, wherever on surfaces they lie.
+bool anySpecular(const Scene& scene);
+/// Likewise of one material.
+bool maybeSpecular(const Scene& scene, const Material& material);
+
 /// What the point emits, nits: the emission of materialAt(), for less.
 vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
 

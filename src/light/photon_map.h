@@ -1,0 +1,65 @@
+// Photons where they met surfaces, and the light that they stand for at a point: as many of them
+// lie near it as light arrives. Based on: [Jen96]; how many are asked is chosen point by point, so
+// that edges stay sharp and what lies between them has little noise [Sch03].
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rays/surface_point.h"
+#include "rays/tracer.h"
+
+namespace sheen {
+
+struct Photon {
+    vec3 position;
+    vec3 wi;     ///< unit, toward where it came from
+    vec3 n_g;    ///< unit geometric normal of the surface, on the side it arrived on
+    vec3 power;  ///< lumens
+};
+
+/// Safe to use from many threads.
+class PhotonMap {
+  public:
+    /// Photons farther off than `reach` tell nothing of a point.
+    PhotonMap(std::vector<Photon> photons, float reach);
+
+    size_t size() const { return photons_.size(); }
+
+    /// What a surface gets by them, and how it scatters that.
+    struct Light {
+        vec3 irradiance{0.0f};  ///< by the shading normal
+        vec3 reflected{0.0f};   ///< radiance, by the lobe, toward where the point is seen from
+    };
+    /// At a point whose unit shading normal is n. `lobe`: what is asked of it; a diffuse part does
+    /// not count. `tracer`: finds the walls that stand near, on which no photon of this surface can
+    /// lie.
+    Light at(const Tracer& tracer, const SurfaceSide& point, const vec3& n, const Brdf* lobe) const;
+
+  private:
+    struct Near {
+        float distance2;
+        uint32_t photon;
+        bool operator<(const Near& other) const {
+            return distance2 != other.distance2 ? distance2 < other.distance2
+                                                : photon < other.photon;
+        }
+    };
+    struct Disc {
+        size_t count = 0;
+        float radius2 = 0;
+    };
+    void divide(size_t begin, size_t end);
+    void find(const SurfaceSide& point, size_t begin, size_t end, std::vector<Near>& heap) const;
+    Disc choose(std::span<const Near> near) const;
+    float open(const Tracer& tracer, const SurfaceSide& point, float radius) const;
+
+    // A balanced kd-tree: the photon in the middle of a range parts it along axes_[middle].
+    std::vector<Photon> photons_;
+    std::vector<uint8_t> axes_;
+    float reach_;
+    size_t fewest_, most_;
+};
+
+}  // namespace sheen
