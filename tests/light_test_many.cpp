@@ -299,7 +299,7 @@ TEST(ScatteredOnce, CellsSayTheSameWhicheverRayAsksFirst) {
     const Scene scene = roomWithALamp();
     const Tracer tracer(scene);
     const SceneLights lights(tracer);
-    const vec3 ways[] = {glm::normalize(vec3(0.3f, -1, 0.1f)), -kUp};
+    const vec3 ways[] = {glm::normalize(vec3(-0.3f, -1, -0.1f)), -kUp};
     vec4 first[2], last[2];
     for (const bool turned : {false, true}) {
         const ScatteredOnce light(tracer, &lights, {});
