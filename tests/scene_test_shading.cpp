@@ -118,6 +118,47 @@ TEST(Brdf, WhiteFurnaceNeverGainsEnergy) {
     }
 }
 
+// Light that microfacets scatter more than once is not lost, whatever the view and the roughness.
+TEST(Brdf, WhiteSurfacesReflectAllOfTheLight) {
+    constexpr double kError = 0.01;
+    MaterialParams params{.base_color = vec3(1.0f),
+                          .metallic = 1.0f,
+                          .specular_color = vec3(1.0f),
+                          .specular = 1.0f,
+                          .emission = vec3(0.0f),
+                          .roughness = 0.0f};
+    for (const float roughness : {0.03f, 0.2f, 0.5f, 0.8f, 1.0f}) {
+        params.roughness = roughness;
+        for (const float mu : {0.05f, 0.2f, 0.6f, 1.0f}) {
+            const glm::dvec2 once = albedoByQuadrature(mu, shared::alphaFromRoughness(roughness));
+            for (const float metallic : {0.0f, 0.5f, 1.0f}) {
+                params.metallic = metallic;
+                const Brdf brdf = shared::makeBrdf(params, brdfAlbedo(mu, roughness));
+                EXPECT_NEAR(brdf.diffuse.x + brdf.f0.x * once.x + brdf.f90 * once.y, 1.0, kError)
+                    << "NoV " << mu << " roughness " << roughness << " metallic " << metallic;
+            }
+        }
+    }
+}
+
+// What meets a coloured surface again is coloured again.
+TEST(Brdf, RoughGoldIsNoPalerThanSmoothGoldAndReflectsLess) {
+    const vec3 gold(1.0f, 0.7f, 0.2f);
+    const MaterialParams params{.base_color = gold,
+                                .metallic = 1.0f,
+                                .specular_color = vec3(1.0f),
+                                .specular = 1.0f,
+                                .emission = vec3(0.0f),
+                                .roughness = 1.0f};
+    const vec2 ab = brdfAlbedo(0.7f, params.roughness);
+    const Brdf brdf = shared::makeBrdf(params, ab);
+    const vec3 albedo = brdf.f0 * ab.x + vec3(brdf.f90 * ab.y);
+    EXPECT_LE(albedo.x, 1.0f);
+    EXPECT_LT(albedo.y, gold.y);
+    EXPECT_LT(albedo.z, gold.z);
+    EXPECT_GT(albedo.z, 0.4f * gold.z) << "what is scattered once, at the least";
+}
+
 TEST(Brdf, SmoothMirrorReflectsAllByFresnel) {
     for (const float mu : {0.2f, 0.5f, 0.9f}) {
         const vec2 ab = brdfAlbedo(mu, 0.0f);
