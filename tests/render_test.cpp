@@ -96,8 +96,8 @@ TEST(Furnace, WhiteSurfacesReflectEverything) {
     const float Le = 2.0f;
     for (const float metallic : {0.0f, 1.0f}) {
         for (const float roughness : {0.1f, 0.45f, 0.7f, 1.0f}) {
-            const Scene scene = furnace(glossyParams(vec3(1.0f), metallic, roughness), vec3(Le),
-                                        GatherRoad::kRays);
+            const Scene scene =
+                furnace(glossyParams(vec3(1.0f), metallic, roughness), vec3(Le), GatherRoad::kRays);
             const RenderResult result = renderFrame(scene, smallRender(32, 32));
             for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
                 if (result.frame.primitive.pixels[i] != kNoPrimitive) {

@@ -110,12 +110,8 @@ vec4 textureAt(uint triangle, uint material, int use, vec3 b, float footprint_ov
     CornerUvs c = cornerUvs(triangle, material, use);
     float level = 0.0;
     if (footprint_over_area2 > 0.0) {
-        vec2 d1 = c.uv1 - c.uv0;
-        vec2 d2 = c.uv2 - c.uv0;
-        ivec2 size = materials[material].textures[use].size;
-        float texels_seen =
-            footprint_over_area2 * abs(d1.x * d2.y - d1.y * d2.x) * float(size.x * size.y);
-        level = 0.5 * log2(max(texels_seen, 1.0));
+        level = textureLevel(footprint_over_area2, c.uv1 - c.uv0, c.uv2 - c.uv0,
+                             materials[material].textures[use].size);
     }
     return texelOf(material, use, b.x * c.uv0 + b.y * c.uv1 + b.z * c.uv2, level);
 }
@@ -166,8 +162,8 @@ Surface surfaceAt(uint triangle, vec3 origin, vec3 direction, float texel_solid_
     vec3 n = interpolatedNormal(b0 * t.n0 + b1 * t.n1 + b2 * t.n2, surface.n_g);
     surface.n = shadingNormal(n, surface.n_g, wo);
     surface.lod_error = t.lod_error;
-    float footprint = texel_solid_angle * surface.distance * surface.distance /
-                      max(abs(dot(surface.n_g, wo)), 0.05);
+    float footprint =
+        footprintArea(texel_solid_angle, surface.distance, dot(surface.n_g, wo));
     vec3 b = vec3(b0, b1, b2);
     surface.material = materialAt(triangle, t.material, b, footprint / area2);
 #if defined(TEXTURED) && defined(CORNERS)

@@ -11,19 +11,22 @@
 namespace sheen {
 namespace {
 
-// Writes what a pixel sees. A surface at the eye itself has no depth and is not seen.
-void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_t i, GBuffer& g) {
-    const SurfacePoint p =
-        surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
+// Writes what a pixel of an image of `height` rows sees. A surface at the eye itself has no depth
+// and is not seen.
+void writePixel(const Scene& scene, const Camera& camera, int height, const Hit& hit,
+                const vec3& direction, size_t i, GBuffer& g) {
+    SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
     const float depth = g.image.depthOf(p.position);
     if (!(depth > 0.0f)) {
         return;
     }
-    const MaterialParams material = materialAt(scene, p.triangle, p.barycentric);
+    p.footprint = pixelFootprint(camera, height, p.position, p.n_g);
+    const MaterialParams material = materialAt(scene, p.triangle, p.barycentric, p.footprint);
     const Scatterer surface = scattererAt(scene, p, material);
     g.position.pixels[i] = p.position;
     g.depth.pixels[i] = depth;
-    const ShadingNormals normals = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo);
+    const ShadingNormals normals =
+        normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo, p.footprint);
     g.normal.pixels[i] = normals.smooth;
     if (!g.mapped_normal.empty()) {
         g.mapped_normal.pixels[i] = normals.mapped;
@@ -108,7 +111,8 @@ GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& imag
                 result.share.at(x, y) = part.share;
             }
             if (part.hit.found()) {
-                writePixel(scene, part.hit, ray.direction, image.index(x, y), result);
+                writePixel(scene, camera, size.y, part.hit, ray.direction, image.index(x, y),
+                           result);
             } else if (veil == 0 && scene.environment.shows()) {
                 result.emission.at(x, y) = scene.environment.radiance(ray.direction);
             }

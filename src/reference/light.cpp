@@ -176,15 +176,17 @@ Frame emptyFrame(int width, int height) {
 }
 
 std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ivec2& size,
-                           const vec2& place, Counters& counters) {
+                           const vec2& place, Textures textures, Counters& counters) {
     const CameraRay ray = cameraRay(camera, size.x, size.y, place.x, place.y);
     const Environment& sky = rays.scene().environment;
     ++counters.rays;
+    const RayScene::PixelOf pixel{.camera = camera, .height = size.y};
     std::vector<Sighting> parts;
     for (const Seen& seen : rays.see(ray.origin, ray.direction)) {
         Sighting part{.share = seen.share};
         if (seen.hit.found()) {
-            part.surface = rays.surfaceAt(seen.hit, -ray.direction);
+            part.surface = rays.surfaceAt(seen.hit, -ray.direction,
+                                          textures == Textures::kOfPixel ? &pixel : nullptr);
             part.triangle = seen.hit.triangle;
             part.emission = part.surface->emission;
         } else if (sky.shows()) {
@@ -224,7 +226,7 @@ void setGBuffer(const Camera& camera, const Sighting& part, int x, int y, Frame&
 std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
                                 Frame& frame, Counters& counters) {
     const ivec2 size(frame.width(), frame.height());
-    Sighting nearest = look(rays, camera, size, vec2(x, y), counters).front();
+    Sighting nearest = look(rays, camera, size, vec2(x, y), Textures::kOfPixel, counters).front();
     nearest.share = 1.0f;
     addLight(rays, nearest, x, y, frame, counters);
     if (nearest.surface) {

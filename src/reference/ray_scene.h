@@ -75,8 +75,14 @@ class RayScene {
     /// As above, for each of `rays`; those of distance 0 are not cast, and all passes. As many
     /// `shares`.
     void passing(std::span<const ShadowRay> rays, float* shares) const;
-    /// The surface at a hit of a ray of direction -wo.
-    Surface surfaceAt(const RayHit& hit, const vec3& wo) const;
+    /// What an image's middle of a pixel stands for: all of the pixel.
+    struct PixelOf {
+        const Camera& camera;
+        int height;  ///< rows of the image
+    };
+    /// The surface at a hit of a ray of direction -wo; textures at the point alone or, for a
+    /// `pixel`, averaged over what it shows.
+    Surface surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pixel = nullptr) const;
 
     const Scene& scene() const { return scene_; }
 

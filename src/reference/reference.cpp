@@ -102,7 +102,7 @@ class Pixel {
         // One of the surfaces, by its share of the light.
         for (const Sighting& part :
              look(context_.rays, params.camera, {params.width, params.height}, vec2(x_, y_) + place,
-                  counters)) {
+                  Textures::kOfPlace, counters)) {
             from.emission += part.share * part.emission;
             if (!part.surface) {
                 from.coverage = 1.0f - part.share;
@@ -387,7 +387,8 @@ void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
         estimateIndirect(context, pixel, result.frame, counters);
     };
     const std::vector<Sighting> parts =
-        look(context.rays, params.camera, {params.width, params.height}, vec2(x, y), counters);
+        look(context.rays, params.camera, {params.width, params.height}, vec2(x, y),
+             Textures::kOfPixel, counters);
     // What lies behind panes or, where that is nothing, the nearest of them.
     const Sighting& shown = parts.back().surface ? parts.back() : parts.front();
     if (shown.surface) {

@@ -50,7 +50,7 @@ void checkImage(const File& file, const ImageHeader& header, size_t bytes,
 // Of 8 bits a channel where that loses nothing.
 TextureImage storedImage(DecodedImage image) {
     constexpr uint16_t kWords = 257;  // to a byte
-    TextureImage stored{.width = image.width, .height = image.height, .bytes = {}, .words = {}};
+    TextureImage stored{.width = image.width, .height = image.height};
     const bool bytes = std::all_of(image.rgba.begin(), image.rgba.end(),
                                    [](uint16_t word) { return word % kWords == 0; });
     if (!bytes) {
@@ -63,30 +63,56 @@ TextureImage storedImage(DecodedImage image) {
     return stored;
 }
 
-// Index into Scene::images; -1, with a note, where it cannot be read.
-int loadImage(File& file, int index, Scene& scene) {
-    const EncodedImage& source = file.images[static_cast<size_t>(index)];
-    const std::string where = label("image", static_cast<size_t>(index), source.name);
-    if (!source.content.missing.empty()) {
-        file.notes.add(
-            fmt::format("{}: materials shown without it: {}", where, source.content.missing));
-        return -1;
+std::span<const uint8_t> encodedBytes(const File& file, const EncodedImage& image,
+                                      const std::string& where) {
+    const ByteSpan bytes = image.buffer_view >= 0
+                               ? bufferViewBytes(file, image.buffer_view, where)
+                               : ByteSpan{image.content.bytes.data(), image.content.bytes.size()};
+    return {bytes.data, bytes.size};
+}
+
+// Bytes that images take, halved to sides of at most so many texels, with their smaller copies.
+uint64_t keptBytes(const std::vector<ImageHeader>& headers, int side) {
+    uint64_t texels = 0;
+    for (const ImageHeader& header : headers) {
+        ivec2 size(header.width, header.height);
+        while (std::max(size.x, size.y) > side) {
+            size = glm::max(size / 2, 1);
+        }
+        texels += static_cast<uint64_t>(size.x) * static_cast<uint64_t>(size.y);
     }
-    const ByteSpan bytes = source.buffer_view >= 0
-                               ? bufferViewBytes(file, source.buffer_view, where)
-                               : ByteSpan{source.content.bytes.data(), source.content.bytes.size()};
-    const std::span<const uint8_t> encoded(bytes.data, bytes.size);
-    try {
-        checkImage(file, readImageHeader(encoded), bytes.size, where);
-        scene.images.push_back(storedImage(decodeImage(encoded)));
-    } catch (const DecodeError& error) {
-        file.notes.add(
-            fmt::format("{}: it cannot be decoded: {}: materials shown without it; use "
-                        "an intact PNG or JPEG",
-                        where, oneLine(error.what())));
-        return -1;
+    return 4 * texels * 4 / 3;
+}
+
+// How large the sides of images may be for all of the file's together to take a GiB, of 8 bits.
+int largestSide(File& file) {
+    constexpr uint64_t kMost = uint64_t{1} << 30;
+    constexpr int kLargest = 1 << 20;
+    constexpr int kSmallest = 64;
+    std::vector<ImageHeader> headers;
+    for (size_t i = 0; i < file.images.size(); ++i) {
+        if (file.images[i].content.missing.empty()) {
+            try {
+                headers.push_back(readImageHeader(
+                    encodedBytes(file, file.images[i], label("image", i, file.images[i].name))));
+            } catch (const std::exception&) {
+                continue;  // whoever needs it will say so
+            }
+        }
     }
-    return static_cast<int>(scene.images.size()) - 1;
+    const uint64_t whole = keptBytes(headers, kLargest);
+    if (whole <= kMost) {
+        return kLargest;
+    }
+    int side = kLargest;
+    while (side > kSmallest && keptBytes(headers, side) > kMost) {
+        side /= 2;
+    }
+    file.notes.add(
+        fmt::format("the images would take {:.1f} GiB: they are kept at no more than {} texels a "
+                    "side; use fewer or smaller ones to see them whole",
+                    static_cast<double>(whole) / static_cast<double>(uint64_t{1} << 30), side));
+    return side;
 }
 
 vec2 pairMember(const File& file, const tinygltf::Value& object, const char* key,
@@ -127,6 +153,36 @@ TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const s
     return info;
 }
 
+TextureLoader::TextureLoader(File& file, Scene& scene)
+    : file_(file), scene_(scene), largest_side_(largestSide(file)) {}
+
+// Index into Scene::images; -1, with a note, where it cannot be read.
+int TextureLoader::loadImage(int index, bool srgb) {
+    const EncodedImage& source = file_.images[static_cast<size_t>(index)];
+    const std::string where = label("image", static_cast<size_t>(index), source.name);
+    if (!source.content.missing.empty()) {
+        file_.notes.add(
+            fmt::format("{}: materials shown without it: {}", where, source.content.missing));
+        return -1;
+    }
+    const std::span<const uint8_t> encoded = encodedBytes(file_, source, where);
+    try {
+        checkImage(file_, readImageHeader(encoded), encoded.size(), where);
+        TextureImage image = storedImage(decodeImage(encoded));
+        while (std::max(image.width, image.height) > largest_side_) {
+            image = halved(image, srgb);
+        }
+        scene_.images.push_back(std::move(image));
+    } catch (const DecodeError& error) {
+        file_.notes.add(
+            fmt::format("{}: it cannot be decoded: {}: materials shown without it; use "
+                        "an intact PNG or JPEG",
+                        where, oneLine(error.what())));
+        return -1;
+    }
+    return static_cast<int>(scene_.images.size()) - 1;
+}
+
 int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     const tinygltf::Texture& source = file_.at(file_.model.textures, index, owner, "texture");
     const std::string where = fmt::format("texture {}", index);
@@ -141,7 +197,10 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     file_.at(file_.images, source.source, where, "image");
     const auto [image, is_new] = images_.try_emplace(source.source, -1);
     if (is_new) {
-        image->second = loadImage(file_, source.source, scene_);
+        image->second = loadImage(source.source, srgb);
+    }
+    if (image->second >= 0) {
+        makeSmaller(scene_.images[static_cast<size_t>(image->second)], srgb);
     }
     Texture texture{.image = image->second, .srgb = srgb};
     if (source.sampler != -1) {
@@ -183,7 +242,7 @@ TextureUse TextureLoader::use(const TextureInfo& info, bool srgb, const std::str
 TextureUse TextureLoader::roughnessOf(const TextureUse& gloss, float glossiness) {
     Texture texture = scene_.textures[static_cast<size_t>(gloss.texture)];
     const TextureImage& source = scene_.images[static_cast<size_t>(texture.image)];
-    TextureImage image{.width = source.width, .height = source.height, .bytes = {}, .words = {}};
+    TextureImage image{.width = source.width, .height = source.height};
     image.bytes.reserve(4 * source.texelCount());
     for (int y = 0; y < source.height; ++y) {
         for (int x = 0; x < source.width; ++x) {
@@ -192,6 +251,7 @@ TextureUse TextureLoader::roughnessOf(const TextureUse& gloss, float glossiness)
             image.bytes.insert(image.bytes.end(), {0, green, 255, 255});
         }
     }
+    makeSmaller(image, false);
     scene_.images.push_back(std::move(image));
     texture.image = static_cast<int>(scene_.images.size()) - 1;
     texture.srgb = false;

@@ -8,36 +8,12 @@
 
 #include "core/math.h"
 #include "scene/shared.h"
+#include "scene/texture.h"
 
 namespace sheen {
 
 using shared::Brdf;
 using shared::MaterialParams;
-
-/// An image as the file stores it, without any transfer function: [y][x][4], first row first, red,
-/// green, blue and alpha.
-struct TextureImage {
-    int width = 0;
-    int height = 0;
-    // One of the two is empty.
-    std::vector<uint8_t> bytes;   ///< of 255
-    std::vector<uint16_t> words;  ///< of 65535
-
-    size_t texelCount() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
-};
-
-/// A way to look an image up.
-struct Texture {
-    int image = 0;  ///< index into Scene::images
-    glm::ivec2 wrap{shared::WRAP_REPEAT};
-    bool nearest = false;  ///< not interpolated
-    bool srgb = false;     ///< colours are sRGB, not linear light; alpha never is
-
-    bool operator==(const Texture&) const = default;
-};
-
-/// A texel in linear light, with alpha.
-vec4 texelOf(const TextureImage& image, bool srgb, int x, int y);
 
 /// One of a material's textures.
 struct TextureUse {

@@ -41,6 +41,18 @@ CameraRay cameraRay(const Camera& camera, int width, int height, float x, float 
             .direction = glm::normalize(way)};
 }
 
+float pixelFootprint(const Camera& camera, int height, const vec3& position, const vec3& n_g) {
+    const vec3 way = position - vec3(camera.world_from_camera[3]);
+    const float distance = glm::length(way);
+    if (!(distance > 0.0f)) {
+        return 0.0f;
+    }
+    const float width = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(height);
+    const float along = std::abs(glm::dot(way, vec3(camera.world_from_camera[2]))) / distance;
+    return shared::footprintArea(width * width * along * along * along, distance,
+                                 glm::dot(n_g, way) / distance);
+}
+
 float surfaceOffset(const Scene& scene, uint32_t triangle, const vec3& position, const vec3& n_g,
                     float distance) {
     // A vertex as a ray has it, from the ray's origin, is off by half a unit in the last place of
