@@ -109,6 +109,26 @@ TEST(Furnace, WhiteSurfacesReflectEverything) {
     }
 }
 
+TEST(Furnace, CoatedSurfacesReflectEverythingToo) {
+    const float Le = 2.0f;
+    for (const float metallic : {0.0f, 1.0f}) {
+        Scene scene =
+            furnace(glossyParams(vec3(1.0f), metallic, 0.6f), vec3(Le), GatherRoad::kRays);
+        scene.materials[0].layers = {.coat = 1.0f, .coat_roughness = 0.1f};
+        for (const Method method : {Method::kRadiance, Method::kReference}) {
+            RenderParams params = smallRender(24, 24, method);
+            params.spp = 4096;
+            const RenderResult result = renderFrame(scene, params);
+            for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+                if (result.frame.primitive.pixels[i] != kNoPrimitive) {
+                    EXPECT_NEAR(result.frame.indirect.pixels[i].x, Le, 2.0f * kFurnaceError * Le)
+                        << "metallic " << metallic << " pixel " << i;
+                }
+            }
+        }
+    }
+}
+
 TEST(Furnace, LampsAllAroundLightDirectly) {
     constexpr double kDirect = 0.02, kIndirect = 0.08,
                      kMean = 0.02;  // of the light, the first two rms

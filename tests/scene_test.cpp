@@ -429,11 +429,11 @@ TEST(SceneLoader, NamesWhatItLeavesOut) {
     file.json["cameras"] =
         Json::array({{{"type", "orthographic"},
                       {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 9}}}}});
-    file.json["extensionsUsed"] = {"KHR_materials_clearcoat"};
+    file.json["extensionsUsed"] = {"KHR_materials_iridescence"};
     const Scene scene = file.load();
     EXPECT_EQ(scene.triangleCount(), 1);
     for (const char* text :
-         {"TEXCOORD_2", "points and lines", "orthographic", "KHR_materials_clearcoat"}) {
+         {"TEXCOORD_2", "points and lines", "orthographic", "KHR_materials_iridescence"}) {
         EXPECT_TRUE(warnsOf(scene, text)) << text;
     }
 }

@@ -69,8 +69,8 @@ void PlacedRecords::add(size_t index) {
     const GatheredRecord& g = field_.records[index];
     const auto i = static_cast<size_t>(field_.pixels[index]);
     const float footprint = receivers_.footprints[i];
-    placed_.push_back(
-        {g.record, i, footprint, allowedRadius(g, params_, footprint, receivers_.image.height)});
+    placed_.push_back({g.record, i, footprint,
+                       allowedRadius(g, params_, footprint, receivers_.image.whole_height)});
     Placed& placed = placed_.back();
     Record& record = placed.record;
     record.radius = std::clamp(placed.allowed, bounds_.least(footprint), bounds_.greatest(i));

@@ -22,11 +22,12 @@ void writePixel(const Scene& scene, const Camera& camera, int height, const Hit&
     }
     p.footprint = pixelFootprint(camera, height, p.position, p.n_g);
     const MaterialParams material = materialAt(scene, p.triangle, p.barycentric, p.footprint);
-    const Scatterer surface = scattererAt(scene, p, material);
-    g.position.pixels[i] = p.position;
-    g.depth.pixels[i] = depth;
+    const Layers layers = layersAt(scene, p.triangle, p.barycentric, p.footprint);
     const ShadingNormals normals =
         normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo, p.footprint);
+    const Scatterer surface = underLayersAt(p, material, layers, normals);
+    g.position.pixels[i] = p.position;
+    g.depth.pixels[i] = depth;
     g.normal.pixels[i] = normals.smooth;
     if (!g.mapped_normal.empty()) {
         g.mapped_normal.pixels[i] = normals.mapped;
@@ -37,6 +38,10 @@ void writePixel(const Scene& scene, const Camera& camera, int height, const Hit&
     g.roughness.pixels[i] = material.roughness;
     if (!g.emission.empty()) {
         g.emission.pixels[i] = material.emission;
+    }
+    if (!g.coat.empty()) {
+        g.coat.pixels[i] = layers.coat;
+        g.coat_roughness.pixels[i] = layers.coat_roughness;
     }
     g.primitive.pixels[i] = hit.triangle;
 }
@@ -92,6 +97,11 @@ GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& imag
     }
     if (!scene.tangents.empty()) {
         result.mapped_normal = Image<vec3>(width, height);
+    }
+    if (std::any_of(scene.materials.begin(), scene.materials.end(),
+                    [](const Material& m) { return m.layers.coat > 0.0f; })) {
+        result.coat = Image<float>(width, height);
+        result.coat_roughness = Image<float>(width, height);
     }
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
     if (std::any_of(scene.materials.begin(), scene.materials.end(),

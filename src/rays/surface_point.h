@@ -76,16 +76,31 @@ struct Scatterer {
     Brdf brdf;
 };
 
-/// Of the material that materialAt() finds at the point.
+/// Of the material that materialAt() finds at the point, under its layers; what its coat reflects
+/// is left out.
+inline Scatterer underLayersAt(const SurfacePoint& p, const MaterialParams& material,
+                               const Layers& layers, const ShadingNormals& normals) {
+    Scatterer surface{.n = normals.mapped, .brdf = {}};
+    const float NoV = glm::dot(surface.n, p.wo);
+    // A Lambertian surface needs no albedo of a lobe it does not have.
+    surface.brdf = shared::makeBrdf(
+        material, isLambertian(material) ? vec2(0.0f) : brdfAlbedo(NoV, material.roughness));
+    if (!layers.none()) {
+        surface.brdf = underLayers(surface.brdf, layers, NoV, glm::dot(normals.smooth, p.wo));
+    }
+    return surface;
+}
+
+/// The same as rays see it: what the coat reflects of the light they find leaves in all directions.
 inline Scatterer scattererAt(const Scene& scene, const SurfacePoint& p,
                              const MaterialParams& material) {
-    Scatterer surface;
-    surface.n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo, p.footprint).mapped;
-    // A Lambertian surface needs no albedo of a lobe it does not have.
-    surface.brdf =
-        shared::makeBrdf(material, isLambertian(material)
-                                       ? vec2(0.0f)
-                                       : brdfAlbedo(glm::dot(surface.n, p.wo), material.roughness));
+    const Layers layers = layersAt(scene, p.triangle, p.barycentric, p.footprint);
+    const ShadingNormals normals =
+        normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo, p.footprint);
+    Scatterer surface = underLayersAt(p, material, layers, normals);
+    if (layers.coat > 0.0f) {
+        surface.brdf.diffuse += coatAlbedo(layers, glm::dot(normals.smooth, p.wo));
+    }
     return surface;
 }
 

@@ -25,11 +25,14 @@ struct Arriving {
 Arriving arrivingFrom(const PunctualLight& light, const Surface& s) {
     const LightSample sample = shared::sampleLight(light, s.position);
     const float NoL = glm::dot(s.n, sample.wi);
-    if (NoL <= 0.0f || glm::dot(s.n_g, sample.wi) <= 0.0f) {
+    if ((NoL <= 0.0f && !s.coat) || glm::dot(s.n_g, sample.wi) <= 0.0f) {
         return {};
     }
     Arriving arriving;
     arriving.radiance = shared::evalBrdf(s.brdf, s.n, s.wo, sample.wi) * sample.irradiance * NoL;
+    if (s.coat) {
+        arriving.radiance += evalCoat(s.coat, s.wo, sample.wi) * sample.irradiance;
+    }
     if (black(arriving.radiance)) {
         return {};
     }
@@ -94,14 +97,17 @@ Scattered scatterChosen(const RayScene& rays, const Surface& s, const BrdfSample
                         const LightChoice& choice, Counters& counters) {
     const vec3& wi = choice.way.direction;
     const float NoL = glm::dot(s.n, wi);
-    if (!(choice.pdf > 0.0f) || !(NoL > 0.0f) || !opensToward(s, wi)) {
+    if (!(choice.pdf > 0.0f) || (!(NoL > 0.0f) && !s.coat) || !opensToward(s, wi)) {
         return {};
     }
     // The balance heuristic's weight over the density of the choice.
-    const vec3 arriving =
-        choice.radiance * (NoL / (choice.pdf + brdfPdf(sampler, s.brdf, s.n, s.wo, wi)));
-    const Scattered scattered = {.all = shared::evalBrdf(s.brdf, s.n, s.wo, wi) * arriving,
-                                 .diffuse = s.brdf.diffuse / kPi * arriving};
+    const float density = choice.pdf + brdfPdf(sampler, s.brdf, s.n, s.wo, wi);
+    const vec3 arriving = choice.radiance * (std::max(NoL, 0.0f) / density);
+    Scattered scattered = {.all = shared::evalBrdf(s.brdf, s.n, s.wo, wi) * arriving,
+                           .diffuse = s.brdf.diffuse / kPi * arriving};
+    if (s.coat) {
+        scattered.all += evalCoat(s.coat, s.wo, wi) * choice.radiance / density;
+    }
     if (black(scattered.all)) {
         return {};
     }

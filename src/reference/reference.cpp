@@ -47,7 +47,8 @@ struct Start {
     BrdfSampler sampler;
 
     explicit Start(const Surface& surface)
-        : p(surface), sampler(surface.brdf, surface.specular_albedo, surface.n, surface.wo) {}
+        : p(surface),
+          sampler(surface.brdf, surface.specular_albedo, surface.n, surface.wo, surface.coat) {}
 };
 
 struct Context {
@@ -56,6 +57,9 @@ struct Context {
     const ReferenceParams& params;
     int samples_per_replicate;
     int guide_size;  // cells along a side; 0: no guide
+    // Of the image that the frame may be a part of: a place there is the same digits.
+    Camera whole_camera;
+    ivec2 whole_size;
 };
 
 // What a path of a pixel starts from.
@@ -74,8 +78,10 @@ class Pixel {
         : context_(context),
           x_(x),
           y_(y),
-          seed_(hashCombine(hashCombine(hash32(context_.params.seed), static_cast<uint32_t>(x_)),
-                            static_cast<uint32_t>(y_))) {}
+          in_whole_(ivec2(x, y) + context.params.camera.window.first),
+          seed_(hashCombine(
+              hashCombine(hash32(context_.params.seed), static_cast<uint32_t>(in_whole_.x)),
+              static_cast<uint32_t>(in_whole_.y))) {}
 
     // On a surface that the middle sees, other paths than before: what they bring counts by its
     // share.
@@ -100,9 +106,8 @@ class Pixel {
         float u = owenSobol(index, hashCombine(seed, kPartSeed)).x;
         PathStart from{.start = {}, .coverage = 1.0f};
         // One of the surfaces, by its share of the light.
-        for (const Sighting& part :
-             look(context_.rays, params.camera, {params.width, params.height}, vec2(x_, y_) + place,
-                  Textures::kOfPlace, counters)) {
+        for (const Sighting& part : look(context_.rays, context_.whole_camera, context_.whole_size,
+                                         vec2(in_whole_) + place, Textures::kOfPlace, counters)) {
             from.emission += part.share * part.emission;
             if (!part.surface) {
                 from.coverage = 1.0f - part.share;
@@ -119,6 +124,7 @@ class Pixel {
   private:
     const Context& context_;
     int x_, y_;
+    ivec2 in_whole_;  // of the image that the frame may be a part of
     uint32_t seed_;
     float share_ = 1.0f;
     PathStart on_;
@@ -169,7 +175,7 @@ vec3 followPath(const Context& context, const Surface& start, const DirectionSam
         if (bounce > bounces) {
             break;
         }
-        const BrdfSampler sampler(q.brdf, q.specular_albedo, q.n, q.wo);
+        const BrdfSampler sampler(q.brdf, q.specular_albedo, q.n, q.wo, q.coat);
         const uint32_t bounce_seed = hashCombine(seed, static_cast<uint32_t>(bounce));
         radiance += throughput * lightAtVertex(context, q, sampler, index, bounce_seed, counters);
         // The last vertex needs one more ray where that may find a lamp or the sky.
@@ -393,7 +399,9 @@ void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
     const Sighting& shown = parts.back().surface ? parts.back() : parts.front();
     if (shown.surface) {
         setGBuffer(params.camera, shown, x, y, result.frame);
-        result.specular_albedo.at(x, y) = shown.surface->specular_albedo;
+        result.specular_albedo.at(x, y) =
+            shown.surface->specular_albedo +
+            (shown.surface->coat ? shown.surface->coat->albedo : 0.0f);
     }
     if (params.pixel_area) {
         estimate();
@@ -441,12 +449,16 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
     const Timer timer;
     const RayScene rays(scene);
     const Lights lights(scene);
+    Camera whole_camera = params.camera;
+    whole_camera.window = {};
     const Context context{
         .rays = rays,
         .lights = lights,
         .params = params,
         .samples_per_replicate = (params.spp + params.replicates - 1) / params.replicates,
-        .guide_size = guideSize(params)};
+        .guide_size = guideSize(params),
+        .whole_camera = whole_camera,
+        .whole_size = params.camera.wholeSize({params.width, params.height})};
 
     ReferenceResult result;
     result.spp = context.samples_per_replicate * params.replicates;

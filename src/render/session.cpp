@@ -2,9 +2,9 @@
 
 #include "core/parallel.h"
 #include "core/timer.h"
-#include "light/direct.h"
 #include "light/place_elements.h"
 #include "rays/jitter.h"
+#include "receivers/coats.h"
 #include "splat/splat.h"
 
 namespace sheen {
@@ -85,7 +85,8 @@ SceneState::~SceneState() {
 // where records use rays, else from shadow maps.
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
                      const ViewState* ground) {
-    const Camera& camera = findCamera(state.scene, params.camera);
+    std::optional<Receivers> coats;
+    const Camera camera = viewOf(state.scene, params);
     GBuffer gbuffer = timed(seconds.gbuffer, [&] {
         return renderGBuffer(state.tracer, camera, params.width, params.height, veil);
     });
@@ -97,7 +98,10 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {
-            gbuffer.direct = traceDirect(state.tracer, state.lamps, gbuffer);
+            gbuffer.direct = directWithCoats(state.tracer, state.lamps, gbuffer);
+            if (!gbuffer.coat.empty() && params.method == Method::kRadiance) {
+                coats = coatsOf(state.scene, gbuffer);
+            }
         } else {
             lightGBuffer(state.pool, state.gpu, gbuffer);
         }
@@ -125,6 +129,9 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         outgoing = &*again;
     }
     const StageTimer timer(seconds.gather);
+    if (coats && coats->anyByRays()) {
+        of_coats = reflectSpecular(*coats, traceSpecular(*outgoing, *coats, params.specular), {});
+    }
     if (receivers.anyByRays()) {
         specular = traceSpecular(*outgoing, receivers, params.specular);
     }

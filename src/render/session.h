@@ -41,6 +41,7 @@ struct ViewState {
     const OutgoingLight* outgoing = nullptr;  // what rays see
     Receivers receivers;
     Image<SpecularSeen> specular;        // by rays of the pixels' own; empty where none needs them
+    Image<vec3> of_coats;                // indirect light that clear coats add; empty: none
     std::optional<Edges> edges;          // none where only the pixels' middles count
     Image<SpecularSeen> stray_specular;  // likewise, of the edges' strays
     RecordField field;

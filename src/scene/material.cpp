@@ -115,6 +115,23 @@ MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& bar
     return params;
 }
 
+Layers layersAt(const Scene& scene, uint32_t triangle, const vec3& barycentric, float footprint) {
+    const Material& material = scene.materials[scene.materials_of[triangle]];
+    Layers layers = material.layers;
+    if (layers.none()) {
+        return layers;
+    }
+    const float over_area2 = footprintOverArea2(scene, triangle, footprint);
+    const auto texel = [&](const TextureUse& use) {
+        return use.used() ? texelAt(scene, triangle, barycentric, use, over_area2) : vec4(1.0f);
+    };
+    layers.coat *= texel(material.coat_texture).x;
+    layers.coat_roughness *= texel(material.coat_roughness_texture).y;
+    layers.fibre_color *= vec3(texel(material.fibre_color_texture));
+    layers.fibre_roughness *= texel(material.fibre_roughness_texture).w;
+    return layers;
+}
+
 vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric, float footprint) {
     const Material& material = scene.materials[scene.materials_of[triangle]];
     vec3 emission = material.params.emission;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/math.h"
+#include "scene/layers.h"
 #include "scene/shared.h"
 #include "scene/texture.h"
 
@@ -36,6 +37,11 @@ struct Material {
     std::array<TextureUse, shared::TEXTURE_USES> textures;  ///< by what they are for
     TextureUse normal_texture = {};
     float normal_scale = 1.0f;
+    Layers layers = {};                      ///< factors, which these textures multiply
+    TextureUse coat_texture = {};            ///< red
+    TextureUse coat_roughness_texture = {};  ///< green
+    TextureUse fibre_color_texture = {};
+    TextureUse fibre_roughness_texture = {};  ///< alpha
     /// Shows its colour whatever the light: that is its emission, and it scatters nothing.
     bool unlit = false;
 
@@ -54,7 +60,8 @@ struct Material {
                 return true;
             }
         }
-        return normal_texture.used();
+        return normal_texture.used() || coat_texture.used() || coat_roughness_texture.used() ||
+               fibre_color_texture.used() || fibre_roughness_texture.used();
     }
     /// Whether some point of it may be missing.
     bool masked() const { return alpha_cutoff > 0.0f; }

@@ -24,6 +24,15 @@ struct Camera {
     float y_fov = 0.9f;            ///< vertical field of view, radians
     float near = 0.0f;             ///< nothing nearer along the view is seen
     float aspect = 0.0f;           ///< width / height; 0: the image's
+    /// Of which larger image that is rendered is a part: where its first pixel lies there, and that
+    /// image's size; 0: it is all of it.
+    struct Window {
+        ivec2 first{0};
+        ivec2 whole{0};
+    } window = {};
+
+    /// Of an image of that size, or of the larger one that it is a part of.
+    ivec2 wholeSize(const ivec2& size) const { return window.whole.x > 0 ? window.whole : size; }
 };
 
 struct Scene {
@@ -98,7 +107,8 @@ const Camera& findCamera(const Scene& scene, const std::string& name);
 
 /// Ray through the centre of pixel (x, y) of an image, row 0 on top: origin and unit direction,
 /// world space. A camera's own aspect, where it has one and differs from the image's, is ignored:
-/// the vertical field of view is kept.
+/// the vertical field of view is kept. The same, bit for bit, of a part of an image as of all of
+/// it.
 struct CameraRay {
     vec3 origin;
     vec3 direction;
@@ -115,6 +125,10 @@ float pixelFootprint(const Camera& camera, int height, const vec3& position, con
 /// by the images as they are. Every pass asks here.
 MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                           float footprint = 0.0f);
+
+/// What lies on the surface there, likewise.
+Layers layersAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                float footprint = 0.0f);
 
 /// The shading normal at a point, unit, as shared::shadingNormal() has it: `n_g` and `wo` lie on
 /// one side. The smooth one, interpolated from the vertices, and the one that normal maps make of
