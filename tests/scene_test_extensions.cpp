@@ -11,7 +11,7 @@ namespace {
 Json& materialOf(GltfFile& file) { return file.json["materials"][0]; }
 
 vec3 f0At(const Scene& scene) {
-    return shared::makeBrdf(materialAt(scene, 0, vec3(1, 0, 0)), vec2(0.0f)).f0;
+    return shared::makeBrdf(materialAt(scene, 0, vec3(1, 0, 0)), vec2(1.0f, 0.0f)).f0;
 }
 
 TEST(MaterialIor, IsTheReflectanceAtNormalIncidence) {

@@ -125,7 +125,7 @@ TEST(MaterialAt, IsAveragedOverTheFootprint) {
         addTexture(scene, 2, 2, {vec3(0), vec3(1), vec3(1), vec3(0)});
     addQuad(scene, vec3(0), vec3(1, 0, 0), vec3(0, 1, 0), board);
     scene.uvs = {{0, 0}, {64, 0}, {64, 64}, {0, 64}};
-    const vec3 at(0.93f, 0.043f, 0.027f);
+    const vec3 at(0.93359375f, 0.046875f, 0.01953125f);  // a texel's middle
     const float white = materialAt(scene, 0, at).base_color.x;
     EXPECT_GT(std::abs(white - 0.5f), 0.2f);
     EXPECT_EQ(materialAt(scene, 0, at, 1e-8f).base_color.x, white) << "less than a texel";

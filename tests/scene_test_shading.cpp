@@ -132,7 +132,7 @@ TEST(Brdf, WhiteSurfacesReflectAllOfTheLight) {
         params.roughness = roughness;
         for (const float mu : {0.05f, 0.2f, 0.6f, 1.0f}) {
             const glm::dvec2 once = albedoByQuadrature(mu, shared::alphaFromRoughness(roughness));
-            for (const float metallic : {0.0f, 0.5f, 1.0f}) {
+            for (const float metallic : {0.0f, 1.0f}) {
                 params.metallic = metallic;
                 const Brdf brdf = shared::makeBrdf(params, brdfAlbedo(mu, roughness));
                 EXPECT_NEAR(brdf.diffuse.x + brdf.f0.x * once.x + brdf.f90 * once.y, 1.0, kError)

@@ -87,7 +87,8 @@ struct BrdfSampler {
     }
 };
 
-/// Density per solid angle by which sampleBrdf() chooses wi; 0 below the shading hemisphere.
+/// Density per solid angle by which sampleBrdf() chooses wi and keeps it: what a lobe sends below
+/// the hemisphere of its own normal is dropped.
 inline float brdfPdf(const BrdfSampler& sampler, const shared::Brdf& brdf, const vec3& n,
                      const vec3& wo, const vec3& wi) {
     float pdf = 0.0f;
@@ -106,7 +107,7 @@ inline float brdfPdf(const BrdfSampler& sampler, const shared::Brdf& brdf, const
 }
 
 /// A direction, and the BRDF times cosine over its density, the coat's included. Both weights are 0
-/// where the direction lies below the shading hemisphere; such a sample counts, and there is
+/// where it was dropped; such a sample counts, and there is
 /// nothing to trace.
 struct DirectionSample {
     vec3 wi{0.0f};       ///< unit, world space
@@ -128,6 +129,9 @@ inline DirectionSample sampleBrdf(const BrdfSampler& sampler, const shared::Brdf
         const vec3 local = wo * frame;
         const vec3 h = sampleGgxVisibleNormal(local, coat.brdf.alpha, u);
         s.wi = glm::normalize(frame * (2.0f * glm::dot(local, h) * h - local));
+        if (!(glm::dot(coat.n, s.wi) > 0.0f)) {
+            return s;
+        }
     } else {
         if (sampler.coat) {
             u.x = std::min((u.x - sampler.coat_share) / (1.0f - sampler.coat_share), kBelowOne);
@@ -142,6 +146,9 @@ inline DirectionSample sampleBrdf(const BrdfSampler& sampler, const shared::Brdf
             wi_local = sampleCosine(u);
         }
         s.wi = glm::normalize(sampler.world_from_local * wi_local);
+        if (!(glm::dot(n, s.wi) > 0.0f)) {
+            return s;
+        }
     }
     const float NoL = glm::dot(n, s.wi);
     s.pdf = brdfPdf(sampler, brdf, n, wo, s.wi);
