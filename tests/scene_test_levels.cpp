@@ -132,6 +132,16 @@ TEST(MaterialAt, IsAveragedOverTheFootprint) {
     EXPECT_NEAR(materialAt(scene, 0, at, 1e-2f).base_color.x, 0.5f, 1e-4f);
 }
 
+TEST(TextureLoader, MakesNoLevelsWhereTheSamplerAsksForNone) {
+    GltfFile file = textured();
+    for (const int filter : {9728, 9729}) {
+        file.json["samplers"][0]["minFilter"] = filter;
+        EXPECT_EQ(file.load().images[0].levels(true), 1) << filter;
+    }
+    file.json["samplers"][0]["minFilter"] = 9985;
+    EXPECT_EQ(file.load().images[0].levels(true), 2);
+}
+
 TEST(TextureLoader, SharesImagesAndTheirLevels) {
     GltfFile file = textured();
     file.json["materials"].push_back(file.json["materials"][0]);

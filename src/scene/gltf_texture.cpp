@@ -84,9 +84,9 @@ uint64_t keptBytes(const std::vector<ImageHeader>& headers, int side) {
     return 4 * texels * 4 / 3;
 }
 
-// How large the sides of images may be for all of the file's together to take a GiB, of 8 bits.
+// How large the sides of images may be for all of the file's together to take 1.25 GiB, of 8 bits.
 int largestSide(File& file) {
-    constexpr uint64_t kMost = uint64_t{1} << 30;
+    constexpr uint64_t kMost = uint64_t{5} << 28;
     constexpr int kLargest = 1 << 20;
     constexpr int kSmallest = 64;
     std::vector<ImageHeader> headers;
@@ -199,9 +199,7 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     if (is_new) {
         image->second = loadImage(source.source, srgb);
     }
-    if (image->second >= 0) {
-        makeSmaller(scene_.images[static_cast<size_t>(image->second)], srgb);
-    }
+    bool smaller = true;  // unless the sampler asks for the image alone, at any distance
     Texture texture{.image = image->second, .srgb = srgb};
     if (source.sampler != -1) {
         const tinygltf::Sampler& sampler =
@@ -210,9 +208,14 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
         texture.wrap = {wrapOf(file_, sampler.wrapS, sampler_where),
                         wrapOf(file_, sampler.wrapT, sampler_where)};
         texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+        smaller = sampler.minFilter != TINYGLTF_TEXTURE_FILTER_NEAREST &&
+                  sampler.minFilter != TINYGLTF_TEXTURE_FILTER_LINEAR;
     }
     if (texture.image < 0) {
         return -1;
+    }
+    if (smaller) {
+        makeSmaller(scene_.images[static_cast<size_t>(texture.image)], srgb);
     }
     const auto known = std::find(scene_.textures.begin(), scene_.textures.end(), texture);
     if (known == scene_.textures.end()) {

@@ -139,7 +139,8 @@ void makeSmaller(TextureImage& image, bool srgb) {
 }
 
 vec4 sampled(const TextureImage& image, const Texture& texture, const vec2& uv, float level) {
-    if (!(level > 0.0f)) {
+    const int last = image.levels(texture.srgb) - 1;
+    if (!(level > 0.0f) || last == 0) {
         if (texture.nearest) {
             const ivec2 at =
                 shared::nearestTaps(uv, {image.width, image.height}, texture.wrap).lower;
@@ -147,7 +148,6 @@ vec4 sampled(const TextureImage& image, const Texture& texture, const vec2& uv, 
         }
         return bilinear(image, texture, uv);
     }
-    const int last = image.levels(texture.srgb) - 1;
     const float clamped = std::min(level, static_cast<float>(last));
     const int finer = std::min(static_cast<int>(clamped), std::max(last - 1, 0));
     const vec4 fine = bilinear(image.level(texture.srgb, finer), texture, uv);
