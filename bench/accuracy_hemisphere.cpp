@@ -184,7 +184,7 @@ void traceProduct(const BenchScenes& scenes, int sites, int size, std::vector<Ro
     int64_t rays = 0;
     for (size_t s = 0; s < scenes.size(); ++s) {
         const Tracer& tracer = scenes[s]->tracer;
-        const ScatteredOnce light(tracer, nullptr, LightCells(tracer));
+        const ScatteredOnce light(tracer, nullptr, {});
         RayGatherer gatherer(light, params);
         std::vector<RecordSite> of_scene(scenes[s]->sites.begin(),
                                          scenes[s]->sites.begin() + sites);

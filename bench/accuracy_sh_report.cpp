@@ -13,29 +13,24 @@ namespace {
 
 class Report {
   public:
-    Report(const std::vector<Projection>& projections, const BenchScenes& scenes,
-           const std::vector<Sums>& sums)
-        : projections_(projections), scenes_(scenes), sums_(sums) {}
+    Report(const BenchScenes& scenes, const std::vector<Sums>& sums)
+        : scenes_(scenes), sums_(sums) {}
 
     void write(const Output& output) const {
         writeOrders(output);
-        writeProjections(output);
+        writeNegative(output);
         writePrediction(output);
         writeBands(output);
     }
 
   private:
-    // RMS over scenes, views (all, or one) and the azimuths of a tilt.
-    double error(Eye eye, int projection, int order, int alpha, int view, int tilt) const {
+    // RMS over scenes and views (all, or one).
+    double error(int order, int alpha, int view) const {
         std::vector<double> values;
         for (const Sums& s : sums_) {
             for (int v = 0; v < kViewCount; ++v) {
-                for (int t = 0; t < kTilts; ++t) {
-                    if ((view < 0 || v == view) &&
-                        (t + kTiltAzimuths - 1) / kTiltAzimuths == tilt) {
-                        values.push_back(
-                            s.relRmse(eye, projection, order, pixelIndex(alpha, v, t)));
-                    }
+                if (view < 0 || v == view) {
+                    values.push_back(s.relRmse(order, lobeIndex(alpha, v)));
                 }
             }
         }
@@ -45,7 +40,7 @@ class Report {
     double median(int order, int alpha, int view) const {
         std::vector<float> values;
         for (const Sums& s : sums_) {
-            const auto& v = s.relative[order - kMinOrder][alpha * kViewCount + view];
+            const auto& v = s.relative[order - kMinOrder][lobeIndex(alpha, view)];
             values.insert(values.end(), v.begin(), v.end());
         }
         const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -56,9 +51,8 @@ class Report {
         std::vector<double> values;
         for (const Sums& s : sums_) {
             for (int v = 0; v < kViewCount; ++v) {
-                const int k = pixelIndex(alpha, v, 0);
-                values.push_back(std::sqrt(s.noise[k] / s.noise_sites) /
-                                 (s.truth[kOnSurface][k] / s.sites));
+                const int k = lobeIndex(alpha, v);
+                values.push_back(std::sqrt(s.noise[k] / s.noise_sites) / (s.truth[k] / s.sites));
             }
         }
         return rms(values);
@@ -85,7 +79,7 @@ class Report {
                 std::vector<std::string> row = {v < 0 ? fmt::format("**{}**", kAlphas[a]) : "",
                                                 v < 0 ? "all" : fmt::format("{}", kViewDegrees[v])};
                 for (int n = kMinOrder; n <= shared::SH_MAX_ORDER; ++n) {
-                    const std::string e = percent(error(kOnSurface, kProgramFit, n, a, v, 0));
+                    const std::string e = percent(error(n, a, v));
                     row.push_back(v < 0 ? e : e + " / " + percent(median(n, a, v)));
                 }
                 const int chosen = autoOrder(a);
@@ -98,7 +92,7 @@ class Report {
         for (int n = kMinOrder; n <= shared::SH_MAX_ORDER; ++n) {
             csv += std::to_string(n);
             for (int a = 0; a < kAlphaCount; ++a) {
-                csv += fmt::format(",{}", error(kOnSurface, kProgramFit, n, a, -1, 0));
+                csv += fmt::format(",{}", error(n, a, -1));
             }
             csv += "\n";
         }
@@ -106,36 +100,8 @@ class Report {
         output.write("sh_orders.md", table.text());
     }
 
-    // One table a pair of alpha and order: views near the normal, and grazing ones, by tilt.
-    void writeProjections(const Output& output) const {
-        struct Pair {
-            int alpha, order;
-        };
-        std::string text;
-        for (const Pair& pair : {Pair{2, 6}, Pair{3, 8}, Pair{4, 10}}) {
-            std::vector<std::string> head = {
-                fmt::format("alpha {}, order {}", kAlphas[pair.alpha], pair.order)};
-            for (const char* views : {"10, 40", "65, 78"}) {
-                for (float tilt : kTiltDegrees) {
-                    head.push_back(fmt::format("{}: {}", views, tilt));
-                }
-            }
-            Table table(head);
-            for (size_t p = 0; p < projections_.size(); ++p) {
-                std::vector<std::string> row = {projections_[p].name};
-                for (int half = 0; half < 2; ++half) {
-                    for (int tilt = 0; tilt < kTiltCount; ++tilt) {
-                        const double e[] = {error(kLifted, static_cast<int>(p), pair.order,
-                                                  pair.alpha, 2 * half, tilt),
-                                            error(kLifted, static_cast<int>(p), pair.order,
-                                                  pair.alpha, 2 * half + 1, tilt)};
-                        row.push_back(percent(rms(e)));
-                    }
-                }
-                table.add(row);
-            }
-            text += table.text() + "\n";
-        }
+    // How often fits, and the outgoing light made of them, are negative.
+    void writeNegative(const Output& output) const {
         Table negative({"order", "records", "alpha 0.5", "alpha 0.3", "alpha 0.2", "alpha 0.1"});
         for (int n = kMinOrder; n <= shared::SH_MAX_ORDER; ++n) {
             const int i = n - kMinOrder;
@@ -145,7 +111,7 @@ class Report {
                 const double sites =
                     static_cast<double>(s.sites) * static_cast<double>(sums_.size());
                 records += s.negative[i] / sites;
-                for (int k = 0; k < kAlphaCount * kViewCount; ++k) {
+                for (int k = 0; k < kLobes; ++k) {
                     lights[k / kViewCount] += s.negative_light[i][k] / (sites * kViewCount);
                 }
             }
@@ -155,53 +121,11 @@ class Report {
             }
             negative.add(row);
         }
-        // For the plot: alpha 0.3, order 8, views near the normal; projections in their order.
-        std::string csv = "tilt";
-        for (size_t p = 0; p < projections_.size(); ++p) {
-            csv += fmt::format(",{}", p);
-        }
-        csv += "\n";
-        for (int tilt = 0; tilt < kTiltCount; ++tilt) {
-            csv += fmt::format("{}", kTiltDegrees[tilt]);
-            for (size_t p = 0; p < projections_.size(); ++p) {
-                const double e[] = {error(kLifted, static_cast<int>(p), 8, 3, 0, tilt),
-                                    error(kLifted, static_cast<int>(p), 8, 3, 1, tilt)};
-                csv += fmt::format(",{}", rms(e));
-            }
-            csv += "\n";
-        }
-        output.write("sh_tilts.csv", csv);
-        output.write("sh_projections.md", text);
         output.write("sh_negative.md", negative.text());
     }
 
-    void writePrediction(const Output& output) const {
-        std::string csv = "scene,alpha,view,order,predicted,measured\n";
-        // Correlation of logarithms.
-        double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
-        for (size_t s = 0; s < sums_.size(); ++s) {
-            for (int a = 0; a < kAlphaCount; ++a) {
-                for (int v = 0; v < kViewCount; ++v) {
-                    const LobePrediction prediction = predictLobeError(
-                        std::cos(glm::radians(kViewDegrees[v])), std::sqrt(kAlphas[a]));
-                    for (int order = kMinOrder; order <= shared::SH_MAX_ORDER; ++order) {
-                        const double p = prediction.truncated[order];
-                        const double m =
-                            sums_[s].relRmse(kOnSurface, kProgramFit, order, pixelIndex(a, v, 0));
-                        csv += fmt::format("{},{},{},{},{},{}\n", scenes_[s]->name, kAlphas[a],
-                                           kViewDegrees[v], order, p, m);
-                        const double lx = std::log(p), ly = std::log(m);
-                        n += 1, x += lx, y += ly, xx += lx * lx, yy += ly * ly, xy += lx * ly;
-                    }
-                }
-            }
-        }
-        const double variance_x = xx / n - x / n * x / n;
-        const double variance_y = yy / n - y / n * y / n;
-        const double covariance = xy / n - x / n * y / n;
-        const double factor = (y - x) / n;
-        const double spread = std::sqrt(variance_x + variance_y - 2.0 * covariance);
-
+    // What the program predicts of the orders it chooses, and what these err by.
+    Table predictedOrders() const {
         Table table({"alpha", "auto", "predicted, worst view", "measured, worst view",
                      "least order within 2.5%"});
         for (int a = 0; a < kAlphaCount; ++a) {
@@ -211,7 +135,7 @@ class Report {
             const auto worst = [&](int order) {
                 double e = 0.0;
                 for (int v = 0; v < kWeighed; ++v) {
-                    e = std::max(e, error(kOnSurface, kProgramFit, order, a, v, 0));
+                    e = std::max(e, error(order, a, v));
                 }
                 return e;
             };
@@ -230,10 +154,39 @@ class Report {
                        percent(worst(chosen)),
                        needed > shared::SH_MAX_ORDER ? "above 10" : std::to_string(needed)});
         }
+        return table;
+    }
+
+    void writePrediction(const Output& output) const {
+        std::string csv = "scene,alpha,view,order,predicted,measured\n";
+        // Correlation of logarithms.
+        double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
+        for (size_t s = 0; s < sums_.size(); ++s) {
+            for (int a = 0; a < kAlphaCount; ++a) {
+                for (int v = 0; v < kViewCount; ++v) {
+                    const LobePrediction prediction = predictLobeError(
+                        std::cos(glm::radians(kViewDegrees[v])), std::sqrt(kAlphas[a]));
+                    for (int order = kMinOrder; order <= shared::SH_MAX_ORDER; ++order) {
+                        const double p = prediction.truncated[order];
+                        const double m = sums_[s].relRmse(order, lobeIndex(a, v));
+                        csv += fmt::format("{},{},{},{},{},{}\n", scenes_[s]->name, kAlphas[a],
+                                           kViewDegrees[v], order, p, m);
+                        const double lx = std::log(p), ly = std::log(m);
+                        n += 1, x += lx, y += ly, xx += lx * lx, yy += ly * ly, xy += lx * ly;
+                    }
+                }
+            }
+        }
+        const double variance_x = xx / n - x / n * x / n;
+        const double variance_y = yy / n - y / n * y / n;
+        const double covariance = xy / n - x / n * y / n;
+        const double factor = (y - x) / n;
+        const double spread = std::sqrt(variance_x + variance_y - 2.0 * covariance);
+
         output.write("sh_prediction.csv", csv);
         output.write(
             "sh_prediction.md",
-            table.text() +
+            predictedOrders().text() +
                 fmt::format("\nOver all {} combinations of scene, alpha, view and order: "
                             "correlation of the logarithms {:.2f}; measured over predicted: "
                             "geometric mean {:.2f}, spread a factor of {:.2f} either way.\n",
@@ -281,16 +234,15 @@ class Report {
         output.write("sh_bands.md", table.text());
     }
 
-    const std::vector<Projection>& projections_;
     const BenchScenes& scenes_;
     const std::vector<Sums>& sums_;
 };
 
 }  // namespace
 
-void writeProjectionReport(const std::vector<Projection>& projections, const BenchScenes& scenes,
-                           const std::vector<Sums>& sums, const Output& output) {
-    Report(projections, scenes, sums).write(output);
+void writeProjectionReport(const BenchScenes& scenes, const std::vector<Sums>& sums,
+                           const Output& output) {
+    Report(scenes, sums).write(output);
 }
 
 }  // namespace sheen::bench

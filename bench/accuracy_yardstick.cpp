@@ -55,7 +55,7 @@ struct CostOfError {
 };
 
 std::vector<Way> gatherEveryWay(const BenchScene& scene, int sites) {
-    const ScatteredOnce light(scene.tracer, nullptr, LightCells(scene.tracer));
+    const ScatteredOnce light(scene.tracer, nullptr, {});
     const RayScene rays(scene.scene);
     std::vector<Way> ways;
     std::vector<WardStrata> strata;

@@ -12,10 +12,9 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import time
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-SCENES = ROOT / "scenes"
+from harness import ROOT, SCENES, Run, count, figure, fill, machine, table
+
 PAGE = ROOT / "docs" / "performance.md"
 # Default renders, and the sizes that docs/performance.md has goals for.
 WHOLE = {"cornell_diffuse": "512x512", "cornell_glossy": "512x512", "venus_glossy": "512x512",
@@ -65,22 +64,6 @@ def run_stages(program, threads, workers, names, min_time, repetitions, cache=No
             if row["run_type"] == "iteration" or row["aggregate_name"] == "median"}
 
 
-class Run:
-    """One run of a program: wall-clock seconds and peak memory of the whole command."""
-
-    def __init__(self, command, cache):
-        environment = dict(os.environ, MESA_SHADER_CACHE_DIR=cache)
-        start = time.monotonic()
-        child = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
-        _, status, usage = os.wait4(child.pid, 0)
-        self.seconds = time.monotonic() - start
-        child.returncode = os.waitstatus_to_exitcode(status)
-        if child.returncode != 0:
-            raise subprocess.CalledProcessError(child.returncode, command)
-        self.memory = usage.ru_maxrss / 1024  # MiB
-        self.stats = {}
-
-
 def run_whole(sheen, scene, size, runs, options=(), cold_runs=1):
     """`cold_runs` renders, each with an empty shader cache, then `runs` with what the last of them
     left there: the cold and the warm one of median time."""
@@ -106,26 +89,6 @@ def run_whole(sheen, scene, size, runs, options=(), cold_runs=1):
             return render(folder, caches[-1])
         cold = median(render_cold, cold_runs)
         return cold, median(lambda _: render(folder, caches[-1]), runs)
-
-
-# Tables: a list of lines, empty where nothing was measured.
-
-def table(head, rows):
-    if not rows:
-        return []
-    return ["| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *rows]]
-
-
-def count(number):
-    return f"{round(number):,}"
-
-
-def figure(number, digits=3):
-    """With so many significant digits; nothing for 0."""
-    if number == 0:
-        return ""
-    text = f"{number:.{digits}g}"
-    return f"{float(text):,.0f}" if abs(float(text)) >= 10 ** digits else text
 
 
 def order_name(name):
@@ -297,24 +260,6 @@ def plot_growth(growth, data, plots):
 
 # The page.
 
-def fill(page, tables):
-    """The text with what stands between <!-- NAME --> and <!-- /NAME --> replaced."""
-    for name, lines in tables.items():
-        pattern = re.compile(f"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
-        if not pattern.search(page):
-            raise RuntimeError(f"the page has no place for {name}")
-        page = pattern.sub(lambda m, lines=lines: m[1] + "\n".join([*lines, ""]) + m[2], page)
-    return page
-
-
-def machine(sheen, renderer):
-    with open("/proc/cpuinfo", encoding="utf-8") as info:
-        models = [line.split(": ", 1)[1].strip() for line in info if line.startswith("model name")]
-    version = subprocess.run([sheen, "--version"], check=True, capture_output=True, text=True)
-    parts = [f"Version {version.stdout.split()[-1]}", f"{os.cpu_count()} threads", *models[:1]]
-    return [", ".join(parts + ([renderer] if renderer else [])) + "."]
-
-
 def measure_stages(program, wanted, quick):
     """Every table of stages whose names match `wanted`. One thread and all of them, and one OpenGL
     context a thread for what rasterises: each in a process of its own, since Mesa's rasteriser is
@@ -449,7 +394,7 @@ def main():
         print(f"\n{name}\n")
         print("\n".join(lines))
     if arguments.page:
-        PAGE.write_text(fill(PAGE.read_text(encoding="utf-8"), tables), encoding="utf-8")
+        fill(PAGE, tables)
 
 
 if __name__ == "__main__":

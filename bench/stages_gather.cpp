@@ -125,7 +125,7 @@ void registerBuild(Setup& setup, const SceneChoice& choice) {
     });
     add("cells", [&setup, choice](State& state) {
         const BenchScene& s = setup.gatherScene(choice).scene;
-        measureBuild(state, s.scene, [&] { const LightCells cells(s.tracer); });
+        measureBuild(state, s.scene, [&] { const LightCells cells(s.tracer, s.scene.lights, {}); });
     });
     add("levels", [&setup, choice](State& state) {
         const Scene& scene = setup.gatherScene(choice).scene.scene;

@@ -91,7 +91,7 @@ Receivers receiversOfOrder(const View512& view, int order) {
 
 GatherScene::GatherScene(const SceneChoice& choice, Scene made)
     : scene(choice.name, std::move(made), kSites),
-      light(scene.tracer, nullptr, LightCells(scene.tracer)),
+      light(scene.tracer, nullptr, {}),
       yardstick(scene.scene) {}
 
 Setup::Setup(std::string folder, int gl_workers)

@@ -192,6 +192,7 @@ void Maker::addShell(const vec3& centre, float size) {
     centres_.push_back(centre);
 }
 
+// Long, since it lists all kinds of objects: the order of its throws is the scenes'.
 void Maker::addObject() {
     Scene& scene = made_.scene;
     const size_t vertex = scene.positions.size();

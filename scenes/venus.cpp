@@ -37,6 +37,7 @@ Mesh plinth() {
 
 }  // namespace
 
+// Long, since it lists all that the scene holds.
 Model venusGlossy() {
     const dvec3 lower(-2.0, 0.0, -2.2);
     const dvec3 upper(1.9, 3.0, 3.5);

@@ -26,6 +26,8 @@ struct Measured {
     const char* camera;  // empty: the first; else also part of the reference's name
     float accuracy;
     double rel_rmse, bias, tile_max;
+    int bounces = 1;
+    const char* environment = "";  // as --environment has it
 };
 void PrintTo(const Measured& row, std::ostream* out) { *out << row.scene; }
 
@@ -41,7 +43,7 @@ std::string referenceName(const Measured& row) {
     return *row.camera == '\0' ? row.scene : fmt::format("{}_{}", row.scene, row.camera);
 }
 
-Scene loadNamed(const std::string& name) {
+Scene loadNamed(const std::string& name, const std::string& environment) {
     for (const CaseScene& scene : caseScenes()) {
         if (scene.name == name) {
             const TestFolder folder;
@@ -50,7 +52,9 @@ Scene loadNamed(const std::string& name) {
             return loadScene(path.string());
         }
     }
-    return loadScene(fmt::format("{}/{}.glb", SHEEN_SCENES, name));
+    LoadParams params;
+    params.environment.source = environment;
+    return loadScene(fmt::format("{}/{}.glb", SHEEN_SCENES, name), params);
 }
 
 class Accuracy : public testing::TestWithParam<Measured> {};
@@ -66,10 +70,10 @@ TEST_P(Accuracy, IsNotWorseThanItWas) {
     params.width = truth.width;
     params.height = truth.height;
     params.camera = row.camera;
-    params.bounces = 1;
+    params.bounces = row.bounces;
     params.placement.accuracy = row.accuracy;
     params.quiet = true;
-    const RenderResult result = renderFrame(loadNamed(row.scene), params);
+    const RenderResult result = renderFrame(loadNamed(row.scene, row.environment), params);
     EXPECT_EQ(result.stats.nonfinite_pixels, 0);
     EXPECT_EQ(result.stats.pixels_uncovered, 0);
 

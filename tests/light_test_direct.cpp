@@ -25,7 +25,7 @@ TEST_P(TracedDirect, IsTheReferencesButForEdges) {
     const Scene scene = loadScene(fmt::format("{}/{}.glb", SHEEN_SCENES, GetParam()));
     const GBuffer gbuffer = unlit(scene);
     const Tracer tracer(scene);
-    const Image<vec3> direct = traceDirect(tracer, LampSampler(tracer), gbuffer);
+    const Image<vec3> direct = traceDirect(tracer, SceneLights(tracer), gbuffer);
     const Frame truth = firstHits(scene, kSize, kSize);
     int compared = 0, lit = 0, differ = 0;
     for (size_t i = 0; i < direct.pixels.size(); ++i) {
@@ -60,7 +60,7 @@ TEST(TracedDirect, BlackWithoutLightsOrGeometry) {
     empty.cameras.push_back(lookAt(vec3(0.0f), vec3(0, 0, -1)));
     for (const Scene& scene : {dark, empty}) {
         const Tracer tracer(scene);
-        const Image<vec3> direct = traceDirect(tracer, LampSampler(tracer), unlit(scene));
+        const Image<vec3> direct = traceDirect(tracer, SceneLights(tracer), unlit(scene));
         for (const vec3& pixel : direct.pixels) {
             ASSERT_EQ(pixel, vec3(0.0f));
         }

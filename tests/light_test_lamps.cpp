@@ -189,8 +189,8 @@ TEST(ScatteredOnce, LampsLightWhatRaysMeetAndAreBlackThemselves) {
     addQuad(scene, vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8),
             addMaterial(scene, diffuseParams(albedo)));
     const Tracer tracer(scene);
-    const LampSampler lamps(tracer);
-    const ScatteredOnce light(tracer, &lamps);
+    const SceneLights lights(tracer);
+    const ScatteredOnce light(tracer, &lights);
     const vec3 expected = albedo / kPi * kRadiance * static_cast<float>(irradianceOfSquare(0.5));
     const vec3 seen = seenOfFloor(scene, light);
     for (int c = 0; c < 3; ++c) {
@@ -267,7 +267,7 @@ TEST(TracedDirect, OfLampsIsTheReferences) {
         scene.cameras.push_back(lookAt(vec3(0.0f, 0.5f, 2.5f), vec3(0.0f, 0.1f, 0.0f)));
         const Tracer tracer(scene);
         const GBuffer gbuffer = renderGBuffer(tracer, scene.cameras[0], kSize, kSize);
-        const Image<vec3> direct = traceDirect(tracer, LampSampler(tracer), gbuffer);
+        const Image<vec3> direct = traceDirect(tracer, SceneLights(tracer), gbuffer);
         const ReferenceResult truth = renderReference(scene, {.width = kSize,
                                                               .height = kSize,
                                                               .camera = scene.cameras[0],

@@ -32,14 +32,14 @@ struct Found {
 
 Found find(const Scene& scene, int count) {
     const Tracer tracer(scene);
-    const LampSampler lamps(tracer);
+    const SceneLights lights(tracer);
     const Camera& camera = scene.cameras.front();
     GBuffer gbuffer = renderGBuffer(tracer, camera, kSize, kSize);
-    gbuffer.direct = traceDirect(tracer, lamps, gbuffer);
+    gbuffer.direct = traceDirect(tracer, lights, gbuffer);
     Found found;
     found.pixels = receiversOf(scene, std::move(gbuffer), 0, false);
     const Image<float> all;
-    found.edges = findEdges(tracer, lamps, camera, found.pixels, {0, all}, 0, count);
+    found.edges = findEdges(tracer, lights, camera, found.pixels, {0, all}, 0, count);
     return found;
 }
 

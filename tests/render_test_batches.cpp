@@ -14,7 +14,7 @@ namespace sheen {
 namespace {
 
 constexpr int kSize = 128;
-constexpr double kMoreRecords = 1.05;  // docs/decisions.md has 1.03 to 1.04 at 512 x 512
+constexpr double kMoreRecords = 1.05;  // docs/decisions/placement.md has 1.03 to 1.04 at 512 x 512
 // Where records lie is chance: in either way some steps are greater. Seams would be many.
 constexpr float kGreaterSteps = 1.25f;
 

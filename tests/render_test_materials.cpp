@@ -12,6 +12,15 @@ namespace {
 
 constexpr int kSize = 32;
 
+Comparison compareLayer(const Frame& test, const Frame& truth, Image<vec3> Frame::*layer,
+                        const Image<vec3>* variance = nullptr) {
+    return compareImages({.test = test.*layer,
+                          .reference = truth.*layer,
+                          .reference_variance = variance,
+                          .test_primitive = &test.primitive,
+                          .reference_primitive = &truth.primitive});
+}
+
 // A room with a point light whose floor has coloured tiles by its second coordinates, whose back
 // wall has colours of vertices and whose left wall is a screen that emits in its upper half.
 Scene variedRoom(const vec3& emission) {
@@ -92,17 +101,9 @@ TEST(VariedMaterials, AreLitAsByTheReference) {
         const RenderResult result =
             renderFrame(scene, smallRender(kSize, kSize, Method::kRadiance, road));
         const Frame& frame = result.frame;
-        const auto error = [&](const Image<vec3>& test, const Image<vec3>& of,
-                               const Image<vec3>* variance) {
-            return compareImages({.test = test,
-                                  .reference = of,
-                                  .reference_variance = variance,
-                                  .test_primitive = &frame.primitive,
-                                  .reference_primitive = &truth.frame.primitive});
-        };
-        const Comparison direct = error(frame.direct, truth.frame.direct, nullptr);
+        const Comparison direct = compareLayer(frame, truth.frame, &Frame::direct);
         const Comparison indirect =
-            error(frame.indirect, truth.frame.indirect, &truth.frame.indirect_variance);
+            compareLayer(frame, truth.frame, &Frame::indirect, &truth.frame.indirect_variance);
         EXPECT_LT(direct.rel_rmse, 0.02) << nameOf(road);
         EXPECT_LT(indirect.rel_rmse, 0.04) << nameOf(road);
         EXPECT_LT(std::abs(indirect.bias), 0.015) << nameOf(road);
@@ -151,17 +152,10 @@ TEST(Coverage, CamerasPassBacksAndHolesAndRaysPassHoles) {
     }
     EXPECT_GT(same, kSize * kSize - 10);
     EXPECT_GT(inside, kSize * kSize / 4);
-    const auto error = [&](const Image<vec3>& test, const Image<vec3>& of,
-                           const Image<vec3>* variance) {
-        return compareImages({.test = test,
-                              .reference = of,
-                              .reference_variance = variance,
-                              .test_primitive = &frame.primitive,
-                              .reference_primitive = &truth.frame.primitive});
-    };
-    EXPECT_LT(error(frame.direct, truth.frame.direct, nullptr).rel_rmse, 0.02);
-    EXPECT_LT(error(frame.indirect, truth.frame.indirect, &truth.frame.indirect_variance).rel_rmse,
-              0.04);
+    EXPECT_LT(compareLayer(frame, truth.frame, &Frame::direct).rel_rmse, 0.02);
+    EXPECT_LT(
+        compareLayer(frame, truth.frame, &Frame::indirect, &truth.frame.indirect_variance).rel_rmse,
+        0.04);
     // Light comes through the hole onto the floor below it, and only there.
     const auto lit = [&](float x, float z) {
         const RayScene rays(scene);
@@ -195,14 +189,7 @@ TEST(NormalMaps, BendDirectLightAndNoRecord) {
         const RenderResult result =
             renderFrame(scene, smallRender(kSize, kSize, Method::kRadiance, road));
         const Frame& frame = result.frame;
-        EXPECT_LT(compareImages({.test = frame.direct,
-                                 .reference = truth.direct,
-                                 .reference_variance = nullptr,
-                                 .test_primitive = &frame.primitive,
-                                 .reference_primitive = &truth.primitive})
-                      .rel_rmse,
-                  0.02)
-            << nameOf(road);
+        EXPECT_LT(compareLayer(frame, truth, &Frame::direct).rel_rmse, 0.02) << nameOf(road);
         if (road == GatherRoad::kRays) {
             EXPECT_LT(result.stats.records, 13 * flat_records / 10);
         }

@@ -110,7 +110,7 @@ double relativeDifference(const Frame& a, const Frame& b) {
 
 // Rendered once more, from almost the same place or in other units, a scene changes by less than
 // the image's error. It did by more, 1.8% of 1.5%, when records drew their random numbers one after
-// the other. (A third of the error would be better: docs/decisions.md.)
+// the other. (A third of the error would be better: docs/decisions/placement.md.)
 TEST(Stability, NoiseStaysWhereItIs) {
     constexpr int kImage = 160;
     constexpr double kMost = 0.75;

@@ -1,5 +1,5 @@
-// The nastiest seeds of bench/stress (docs/stability.md), small. Each is there for something that
-// went wrong in it, or nearly does.
+// The nastiest seeds of bench/judge stress (docs/stability.md), small. Each is there for something
+// that went wrong in it, or nearly does.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

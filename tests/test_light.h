@@ -19,8 +19,7 @@ struct LitScene {
 
 /// The same, by cells.
 struct LitByCells {
-    explicit LitByCells(const Scene& scene)
-        : tracer(scene), light(tracer, nullptr, LightCells(tracer)) {}
+    explicit LitByCells(const Scene& scene) : tracer(scene), light(tracer, nullptr, {}) {}
 
     Tracer tracer;
     ScatteredOnce light;

@@ -8,7 +8,7 @@
 // Coefficients are whole numbers up to this, which the greatest of a pixel has: two in an int.
 const int LOBE_STEPS = 32767;
 // The first group goes with the gradients, and more would not fit into what a quad may carry. The
-// size of the others wastes least over the orders (docs/decisions.md).
+// size of the others wastes least over the orders (docs/decisions/raster.md).
 const int LOBE_FIRST_GROUP = 16;
 const int LOBE_NEXT_GROUP = 24;
 

@@ -20,7 +20,8 @@ constexpr int kCoarsest = 16;
 // The second pass asks records this much farther than they were placed for: each pixel then
 // averages more of them.
 constexpr float kOverlap = 1.5f;
-// At an accuracy of 0.4; docs/decisions.md. Reaches a R are in footprints of the record's pixel.
+// At an accuracy of 0.4; docs/decisions/yardsticks.md. Reaches a R are in footprints of the
+// record's pixel.
 constexpr float kTunedAccuracy = 0.4f;
 constexpr float kLeastReach = 1.5f;
 constexpr float kGreatestReach = 10.0f;

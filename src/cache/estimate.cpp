@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "receivers/predicted.h"
 #include "receivers/served.h"
@@ -10,19 +11,18 @@ namespace sheen {
 namespace {
 
 // A record's neighbours alone know less of the light at its place than the image does, where the
-// record serves too. Measured on cornell_diffuse and venus_glossy (docs/decisions.md).
+// record serves too. Measured on cornell_diffuse and venus_glossy (docs/decisions/estimate.md).
 constexpr double kCalibration = 0.79;
 // What the median record's error weighs beside what neighbours say of a record: as much as one of
 // them does from two thirds of its reach.
 constexpr double kMedianWeight = 0.5;
 
-}  // namespace
-
-NeighbourErrors neighbourErrors(const Receivers& receivers, const RecordCache& cache,
-                                std::span<const int> record_pixels, const WeightParams& weight,
-                                const Image<vec3>& indirect) {
-    const PixelGrid& image = receivers.image;
-    NeighbourErrors errors{.squares = Image<float>(image.width, image.height)};
+// Each record's squared error relative to its own light, as its neighbours tell it; none where they
+// tell of no record.
+std::optional<std::vector<double>> recordErrors(const Receivers& receivers,
+                                                const RecordCache& cache,
+                                                std::span<const int> record_pixels,
+                                                const WeightParams& weight) {
     const std::vector<Record>& records = cache.records;
     constexpr int kNone = -1;
     std::vector<int> hosted(receivers.positions.size(), kNone);
@@ -63,8 +63,7 @@ NeighbourErrors neighbourErrors(const Receivers& receivers, const RecordCache& c
         known.push_back(error2[k]);
     }
     if (known.empty() && !records.empty()) {
-        errors.rel_rmse = kInfinity;
-        return errors;
+        return std::nullopt;
     }
     // Neighbours at the end of their reach, on the other side of an edge, predict what the image
     // never shows; records that no other reaches, rims a pixel wide, are right where they lie.
@@ -77,13 +76,29 @@ NeighbourErrors neighbourErrors(const Receivers& receivers, const RecordCache& c
                 (weights[k] * error2[k] + kMedianWeight * *middle) / (weights[k] + kMedianWeight);
         }
     }
+    return error2;
+}
+
+}  // namespace
+
+NeighbourErrors neighbourErrors(const Receivers& receivers, const RecordCache& cache,
+                                std::span<const int> record_pixels, const WeightParams& weight,
+                                const Image<vec3>& indirect) {
+    const PixelGrid& image = receivers.image;
+    NeighbourErrors errors{.squares = Image<float>(image.width, image.height)};
+    const auto error2 = recordErrors(receivers, cache, record_pixels, weight);
+    if (!error2) {
+        errors.rel_rmse = kInfinity;
+        return errors;
+    }
+    const std::vector<Record>& records = cache.records;
     const auto counts = [&](size_t pixel) { return isJudged(pixel, image.width); };
     std::vector<double> sums(receivers.positions.size());
     std::vector<double> variances(receivers.positions.size());
     for (size_t k = 0; k < records.size(); ++k) {
         forServed(receivers, records[k], weight, counts, [&](size_t pixel, float w) {
             sums[pixel] += w;
-            variances[pixel] += static_cast<double>(w) * w * error2[k];
+            variances[pixel] += static_cast<double>(w) * w * (*error2)[k];
         });
     }
     double squares = 0.0;

@@ -30,7 +30,7 @@ float splitSphereRadius(const GatheredRecord& g) {
 // sum of squared errors over the image, c^2 d^4 / 4, against 1 / d^2 records an area: at the
 // least, c d^3 is the same everywhere, in heights of the image: of how many pixels it is made does
 // not change how wrong it is. [SJJ12] makes each record's total the same, c d^4; pointwise c d^2
-// would be (docs/decisions.md compares them).
+// would be (docs/decisions/placement.md compares them).
 // It is not believed farther than the harmonic mean distance of what the record sees, over which
 // all of that changes: what the record missed, or saw from a wrong place, has no curvature.
 float hessianRadius(const GatheredRecord& g, const PlacementParams& params, float image_height) {

@@ -254,6 +254,7 @@ std::string chartHtml(const Chart& chart) {
         {"style", [] { return std::string(embeddedText("report.css")); }},
         {"library", [] { return std::string(embeddedText("chart.min.js")); }},
         {"program", [] { return std::string(embeddedText("report.js")); }},
+        {"tables", [] { return std::string(embeddedText("report_tables.js")); }},
         {"data", [&chart] { return pageData(chart); }}};
     // One pass, so that nothing that is put in is searched for marks.
     std::string html;

@@ -97,28 +97,36 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
                           ->capture_default_str();
 }
 
+const std::vector<Method> kCached = {Method::kRadiance, Method::kIrradiance};
+const std::vector<Method> kAnyCache = {Method::kRadiance, Method::kIrradiance, Method::kOctree};
+const std::vector<Method> kTraced = {Method::kReference, Method::kDenoised};
+
+// Notes that an option is of these methods alone.
+struct Limiter {
+    RenderOptions& o;
+
+    CLI::Option* operator()(CLI::Option* option, std::vector<Method> methods) const {
+        option->capture_default_str();
+        o.limited.push_back({option, std::move(methods)});
+        return option;
+    }
+};
+
 void addMethodOptions(CLI::App& app, RenderOptions& o) {
-    const std::vector<Method> cached = {Method::kRadiance, Method::kIrradiance};
-    const std::vector<Method> any_cache = {Method::kRadiance, Method::kIrradiance, Method::kOctree};
-    const std::vector<Method> traced = {Method::kReference, Method::kDenoised};
     RenderParams& p = o.params;
+    const Limiter limited{o};
     app.add_option("--method", o.method,
                    "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
                    "reference (path tracer), or to compare with: denoised (path tracer, filtered), "
                    "octree (classical irradiance cache, diffuse only)")
         ->check(CLI::IsMember(keysOf(kMethods)))
         ->capture_default_str();
-    const auto limited = [&o](CLI::Option* option, std::vector<Method> methods) {
-        option->capture_default_str();
-        o.limited.push_back({option, std::move(methods)});
-        return option;
-    };
     CLI::Option* accuracy = limited(
         app.add_option("--accuracy", p.placement.accuracy,
                        "radiance, irradiance, octree: largest error of a record's reuse, smaller "
                        "is better and slower")
             ->check(numberIn(0.01, 2)),
-        any_cache);
+        kAnyCache);
     limited(app.add_option("--target-error", p.target_error,
                            "radiance, irradiance: render again at finer accuracies until the "
                            "estimated relative error of the indirect light at pixels' middles, at "
@@ -126,7 +134,7 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                 ->check(numberIn(0.002, 0.5))
                 ->excludes(accuracy)
                 ->default_str(""),
-            cached);
+            kCached);
     limited(app.add_option("--time-limit", p.time_limit,
                            "radiance, irradiance: render again at finer accuracies as long as "
                            "that fits into so many seconds of wall time, loading and writing "
@@ -135,7 +143,13 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                 ->excludes(accuracy)
                 ->excludes("--target-error")
                 ->default_str(""),
-            cached);
+            kCached);
+}
+
+// What records, and paths, sample.
+void addSamplingOptions(CLI::App& app, RenderOptions& o) {
+    RenderParams& p = o.params;
+    const Limiter limited{o};
     limited(app.add_option("--sh-order", o.sh_order,
                            "radiance: order of the spherical harmonics, 2..10, or auto: by "
                            "material"),
@@ -146,7 +160,7 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                            "with its border stretched to the horizon (border), bare (plane) or "
                            "rescaled (larsen)")
                 ->check(CLI::IsMember(keysOf(kGathers))),
-            cached);
+            kCached);
     limited(
         app.add_option(
                "--gather-size", p.gather.size,
@@ -159,14 +173,14 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                    gatherSize(GatherRoad::kRaster, p.placement.accuracy),
                    gatherSize(GatherRoad::kRaster, p.placement.accuracy, HemisphereKind::kBorder)))
             ->check(numberIn(8, 512)),
-        any_cache)
+        kAnyCache)
         ->default_str("");
     o.extent_option =
         limited(app.add_option("--gather-extent", p.gather.extent,
                                "radiance, irradiance: half-width of that plane at "
                                "distance 1 (border 2.5, others 3); not for a hemicube")
                     ->check(numberIn(1, 10)),
-                cached)
+                kCached)
             ->default_str("");
     o.bounces_option =
         app.add_option("--bounces", o.bounces,
@@ -175,10 +189,10 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
             ->capture_default_str();
     limited(app.add_option("--spp", p.spp, "reference, denoised: paths a pixel")
                 ->check(numberIn(1, 65536)),
-            traced);
+            kTraced);
     limited(app.add_option("--seed", p.seed, "reference, denoised: seed of their random numbers")
                 ->check(numberIn(0, std::numeric_limits<uint32_t>::max())),
-            traced);
+            kTraced);
 }
 
 void addProgramOptions(CLI::App& app, RenderOptions& o) {
@@ -266,6 +280,7 @@ ToneCurve toneCurve(const RenderOptions& o) { return kTones.at(o.tone); }
 void addRenderOptions(CLI::App& app, RenderOptions& o) {
     addImageOptions(app, o);
     addMethodOptions(app, o);
+    addSamplingOptions(app, o);
     addProgramOptions(app, o);
 }
 

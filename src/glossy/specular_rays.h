@@ -9,7 +9,7 @@
 
 namespace sheen {
 
-/// Defaults were chosen by measurement (docs/decisions.md).
+/// Defaults were chosen by measurement (docs/decisions/glossy.md).
 struct SpecularParams {
     float rays_per_alpha = 7680;  ///< a pixel's rays by its lobe's width, in whole packets
     int max_rays = 768;           ///< a pixel

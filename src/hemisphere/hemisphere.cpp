@@ -146,6 +146,37 @@ const HemisphereFace& faceOf(const Hemisphere& h, int texel, int& i, int& j) {
     checkFailed(__FILE__, __LINE__, "texel outside every face");
 }
 
+// Cosine weight of a texel of the top face, whose part of the plane has a closed form; the cosine
+// of the strip from there down to the horizon is half of cos^2.
+float topCosine(const Hemisphere& h, size_t texel, const HemisphereFace& face, const TexelRect& r) {
+    const float e = face.right.x;
+    float cosine = shared::planeCosine(r.u0 * e, r.v0 * e, r.u1 * e, r.v1 * e);
+    if (h.at_horizon[texel] != 0) {
+        const vec2 az = h.azimuths[texel];
+        const int steps = stripSteps(az);
+        const float step = (az.y - az.x) / static_cast<float>(steps);
+        for (int k = 0; k < steps; ++k) {
+            const float phi = az.x + (static_cast<float>(k) + 0.5f) * step;
+            const float top = shared::borderCosine(phi, e);
+            cosine += 0.5f * top * top * step;
+        }
+    }
+    return cosine;
+}
+
+// What a plane leaves out is spread over it.
+void spreadOverPlane(Hemisphere& h) {
+    float coverage = 0.0f;
+    for (float c : h.cosines) {
+        coverage += c / kPi;
+    }
+    for (size_t t = 0; t < h.cosines.size(); ++t) {
+        h.solid_angles[t] /= coverage;
+        h.cosines[t] /= coverage;
+        h.moments[t] /= coverage;
+    }
+}
+
 void fillTexels(Hemisphere& h) {
     const size_t count = static_cast<size_t>(h.texelCount());
     h.directions.resize(count);
@@ -175,44 +206,17 @@ void fillTexels(Hemisphere& h) {
             h.azimuths[index] = {std::min(first, first + delta), std::max(first, first + delta)};
         }
         float solid_angle = 0.0f;
-        float cosine = 0.0f;
         vec2 moment(0.0f);
         for (const FootprintSample& s : footprint(h, texel)) {
             solid_angle += s.solid_angle;
-            cosine += s.solid_angle * s.direction.z;
             moment += s.solid_angle * vec2(s.direction);
         }
-        if (side) {
-            cosine = rectCosine(face, r);
-        } else {
-            // The top plane's part has a closed form; the strip's cosine is half of cos^2.
-            const float e = face.right.x;
-            cosine = shared::planeCosine(r.u0 * e, r.v0 * e, r.u1 * e, r.v1 * e);
-            if (h.at_horizon[index] != 0) {
-                const vec2 az = h.azimuths[index];
-                const int steps = stripSteps(az);
-                const float step = (az.y - az.x) / static_cast<float>(steps);
-                for (int k = 0; k < steps; ++k) {
-                    const float phi = az.x + (static_cast<float>(k) + 0.5f) * step;
-                    const float top = shared::borderCosine(phi, e);
-                    cosine += 0.5f * top * top * step;
-                }
-            }
-        }
         h.solid_angles[index] = solid_angle;
-        h.cosines[index] = cosine;
+        h.cosines[index] = side ? rectCosine(face, r) : topCosine(h, index, face, r);
         h.moments[index] = moment;
     }
     if (h.params.kind == HemisphereKind::kLarsen) {
-        float coverage = 0.0f;
-        for (float c : h.cosines) {
-            coverage += c / kPi;
-        }
-        for (size_t t = 0; t < count; ++t) {
-            h.solid_angles[t] /= coverage;
-            h.cosines[t] /= coverage;
-            h.moments[t] /= coverage;
-        }
+        spreadOverPlane(h);
     }
 }
 
@@ -285,23 +289,46 @@ vec3 horizonBelow(const vec3& d) {
     return {d.x / length, d.y / length, 0.0f};
 }
 
+// Projected onto the cube, corners are multiples of 2 / size: far from where rounding to 2^-14
+// decides, so that two faces' corners, which differ in the last bits, agree.
+uint64_t cornerKey(const vec3& d) {
+    const vec3 on_cube = d / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    const auto q = [](float v) { return static_cast<uint64_t>(std::lround(v * 16384.0f) + 16384); };
+    return (q(on_cube.x) << 42) | (q(on_cube.y) << 21) | q(on_cube.z);
+}
+
+// An edge of a texel.
+struct Edge {
+    uint32_t texel;
+    vec3 d0, d1;
+    bool outer0, outer1;  // whether the corner lies on the stretched plane's outer boundary
+};
+
+// The wall between a texel and the one that an edge is of; which corners it has is not said.
+HemisphereWall makeWall(const Hemisphere& h, uint32_t texel, const Edge& edge) {
+    HemisphereWall wall{.a = texel, .b = edge.texel};
+    const vec3& a = h.directions[wall.a];
+    const vec3& b = h.directions[wall.b];
+    addArc(edge.d0, edge.d1, a, b, wall, wall.cosine_bend);
+    // A wall that ends on the stretched boundary goes on to the horizon, at the distance of the
+    // corner it ends on.
+    const auto extend = [&](const vec3& d, vec3& bend) {
+        vec3 all[3] = {};
+        addArc(d, horizonBelow(d), a, b, wall, all);
+        bend += all[0] + all[1] + all[2];
+    };
+    if (edge.outer0) {
+        extend(edge.d0, wall.cosine_bend[0]);
+    }
+    if (edge.outer1) {
+        extend(edge.d1, wall.cosine_bend[2]);
+    }
+    return wall;
+}
+
 // Walls are the edges that two texels share, on one face or across two: corners are matched by
 // direction. The outer edges of the whole layout belong to one texel only and are no walls.
 void fillWalls(Hemisphere& h) {
-    // Projected onto the cube, corners are multiples of 2 / size: far from where rounding to
-    // 2^-14 decides, so that two faces' corners, which differ in the last bits, agree.
-    const auto corner_key = [](const vec3& d) {
-        const vec3 on_cube = d / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-        const auto q = [](float v) {
-            return static_cast<uint64_t>(std::lround(v * 16384.0f) + 16384);
-        };
-        return (q(on_cube.x) << 42) | (q(on_cube.y) << 21) | q(on_cube.z);
-    };
-    struct Edge {
-        uint32_t texel;
-        vec3 d0, d1;
-        bool outer0, outer1;  // whether the corner lies on the stretched plane's outer boundary
-    };
     std::map<uint64_t, uint32_t> corners;
     const auto cornerOf = [&](uint64_t key) {
         return corners.try_emplace(key, static_cast<uint32_t>(corners.size())).first->second;
@@ -322,31 +349,15 @@ void fillWalls(Hemisphere& h) {
             };
             const Edge edge{static_cast<uint32_t>(texel), faceDirection(face, c0.x, c0.y),
                             faceDirection(face, c1.x, c1.y), outer(c0), outer(c1)};
-            const uint64_t key0 = corner_key(edge.d0);
-            const uint64_t key1 = corner_key(edge.d1);
+            const uint64_t key0 = cornerKey(edge.d0);
+            const uint64_t key1 = cornerKey(edge.d1);
             const std::pair key(std::min(key0, key1), std::max(key0, key1));
             const auto found = open.find(key);
             if (found == open.end()) {
                 open.emplace(key, edge);
                 continue;
             }
-            HemisphereWall wall{.a = found->second.texel, .b = edge.texel};
-            const vec3& a = h.directions[wall.a];
-            const vec3& b = h.directions[wall.b];
-            addArc(edge.d0, edge.d1, a, b, wall, wall.cosine_bend);
-            // A wall that ends on the stretched boundary goes on to the horizon, at the distance of
-            // the corner it ends on.
-            const auto extend = [&](const vec3& d, vec3& bend) {
-                vec3 all[3] = {};
-                addArc(d, horizonBelow(d), a, b, wall, all);
-                bend += all[0] + all[1] + all[2];
-            };
-            if (edge.outer0) {
-                extend(edge.d0, wall.cosine_bend[0]);
-            }
-            if (edge.outer1) {
-                extend(edge.d1, wall.cosine_bend[2]);
-            }
+            HemisphereWall wall = makeWall(h, found->second.texel, edge);
             wall.corners[0] = cornerOf(key0);
             wall.corners[1] = cornerOf(key1);
             h.walls.push_back(wall);

@@ -1,5 +1,11 @@
 #include "light/irradiance_cells.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "rays/surface_point.h"
+
 namespace sheen {
 namespace {
 
@@ -9,7 +15,9 @@ constexpr size_t kBudget = 1 << 20;
 
 }  // namespace
 
-IrradianceCells::IrradianceCells(const Scene& scene, const std::vector<Bounds>& near) {
+IrradianceCells::IrradianceCells(const Tracer& tracer, const std::vector<Bounds>& near)
+    : tracer_(tracer) {
+    const Scene& scene = tracer.scene();
     const std::vector<uint32_t> n = gridDivisions(scene, near, kLengthOfSize, kBudget);
     size_t count = 0;
     triangles_.reserve(n.size());
@@ -25,6 +33,32 @@ IrradianceCells::IrradianceCells(const Scene& scene, const std::vector<Bounds>& 
     for (size_t i = 0; i < count; ++i) {
         cells_[i].store(kUnknown, std::memory_order_relaxed);
     }
+}
+
+// Whether something hides the cell's corners from its middle.
+bool IrradianceCells::parted(const Hit& hit, const Cell& cell) const {
+    // A little within, so that what only touches the cell does not count.
+    constexpr float kWithin = 0.98f;
+    constexpr vec2 kCorners[] = {{0, 0}, {1, 0}, {0, 1}};
+    const Scene& scene = tracer_.scene();
+    const vec3 front = geometricNormal(scene, static_cast<int>(hit.triangle));
+    const vec3 n = hit.back ? -front : front;
+    const TriangleEdges triangle(scene, hit.triangle);
+    const float edge = triangle.longestEdge() * std::abs(cell.scale);
+    const auto startAt = [&](const vec2& uv) {
+        const vec3 p = triangle.at(uv);
+        return p + surfaceOffset(scene, hit.triangle, p, n, edge) * n;
+    };
+    const vec3 middle = startAt(cell.middle);
+    std::array<Way, std::size(kCorners)> ways;
+    for (size_t i = 0; i < ways.size(); ++i) {
+        const vec3 way = startAt(cell.middle + cell.scale * (kCorners[i] - 1.0f / 3.0f)) - middle;
+        const float length = glm::length(way);
+        ways[i] = {.start = middle, .direction = way / length, .length = kWithin * length};
+    }
+    const Tracer::Shares shares = tracer_.passing(ways);
+    return std::any_of(shares.begin(), shares.begin() + ways.size(),
+                       [](float share) { return share == 0.0f; });
 }
 
 }  // namespace sheen

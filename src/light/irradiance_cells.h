@@ -1,4 +1,4 @@
-// Irradiance on small cells of triangles, found where it is first asked for and kept.
+// Light on small cells of triangles, found where it is first asked for and kept.
 #pragma once
 
 #include <atomic>
@@ -16,24 +16,35 @@ namespace sheen {
 /// Safe to use from many threads: whichever asks first, a cell says the same.
 class IrradianceCells {
   public:
-    /// `near`: as LightCells has them.
-    IrradianceCells(const Scene& scene, const std::vector<Bounds>& near);
+    /// `near`: as LightCells has them. The tracer must outlive it.
+    IrradianceCells(const Tracer& tracer, const std::vector<Bounds>& near);
 
-    /// Where a ray that stands for `area` hit: what find(uv), an optional, says of the middle of
-    /// the cell, at these barycentric coordinates, or, where cells are larger than the area by
-    /// much, of the hit itself. Whichever find() asks first for a cell must be as good as any
-    /// other.
-    template <class Find>
-    std::optional<vec3> at(const Hit& hit, float area, const Find& find) const {
-        const Triangle& triangle = triangles_[hit.triangle];
-        if (triangle.cell_area > kLargestOfRay * area) {
-            return find(vec2(hit.u, hit.v));
+    /// A cell of a side of a triangle, counted through the whole scene.
+    using Cell = TriangleGrid::Place;
+
+    /// The cell of a hit; none where cells are larger by much than `area`, which the ray stands
+    /// for, and none where something stands in the cell, which may part light from shadow.
+    std::optional<Cell> cellOf(const Hit& hit, float area) const {
+        if (triangles_[hit.triangle].cell_area > kLargestOfRay * area) {
+            return std::nullopt;
         }
-        const Place place = placeOf(hit);
+        const Cell place = placeOf(hit);
+        std::atomic<uint64_t>& cell = cells_[place.cell];
+        const uint64_t packed = cell.load(std::memory_order_relaxed);
+        if (packed == kUnknown && parted(hit, place)) {
+            cell.store(kParted, std::memory_order_relaxed);
+            return std::nullopt;
+        }
+        return packed == kParted ? std::nullopt : std::optional(place);
+    }
+    /// What find(), an optional colour, says of the cell. Whichever find() asks first must be as
+    /// good as any other.
+    template <class Find>
+    std::optional<vec3> at(const Cell& place, const Find& find) const {
         std::atomic<uint64_t>& cell = cells_[place.cell];
         uint64_t packed = cell.load(std::memory_order_relaxed);
         if (packed == kUnknown) {
-            const std::optional<vec3> found = find(place.middle);
+            const std::optional<vec3> found = find();
             packed = found ? pack(*found) : kNothing;
             cell.store(packed, std::memory_order_relaxed);
         }
@@ -47,6 +58,7 @@ class IrradianceCells {
     // No numbers: bits beyond those of three channels.
     static constexpr uint64_t kUnknown = ~uint64_t{0};
     static constexpr uint64_t kNothing = kUnknown - 1;
+    static constexpr uint64_t kParted = kUnknown - 2;
     // Of each channel the 21 leading bits, the sign left out: 13 of its mantissa.
     static constexpr int kBits = 21;
     static constexpr int kCut = 10;
@@ -72,11 +84,11 @@ class IrradianceCells {
         return irradiance;
     }
 
-    using Place = TriangleGrid::Place;
-    Place placeOf(const Hit& hit) const {
+    bool parted(const Hit& hit, const Cell& cell) const;
+    Cell placeOf(const Hit& hit) const {
         const Triangle& triangle = triangles_[hit.triangle];
         const TriangleGrid grid{triangle.n};
-        Place place = grid.placeOf(hit.u, hit.v);
+        Cell place = grid.placeOf(hit.u, hit.v);
         place.cell += triangle.first + (hit.back ? static_cast<uint32_t>(grid.cellCount()) : 0);
         return place;
     }
@@ -86,6 +98,7 @@ class IrradianceCells {
         uint32_t n;      // an edge is divided so often
         float cell_area;
     };
+    const Tracer& tracer_;
     std::vector<Triangle> triangles_;
     std::unique_ptr<std::atomic<uint64_t>[]> cells_;
 };

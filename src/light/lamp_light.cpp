@@ -18,7 +18,7 @@ constexpr int kPacket = Tracer::kPacket;
 // biased.
 constexpr int kSamples[] = {16, 48, 192};
 constexpr int kAround = 2;
-constexpr float kDoubt = 0.03f;  // standard error over the mean from which on they disagree
+constexpr float kDoubt = 0.02f;  // standard error over the mean from which on they disagree
 
 // Lobes wider than this are left to the directions toward lamps, others are followed too.
 constexpr float kWideLobe = 0.35f;
@@ -32,11 +32,21 @@ constexpr vec3 kSpread(0.8191725f, 0.6710436f, 0.5497005f);
 
 // What a pixel's samples add up to.
 struct Sum {
-    vec3 light{0.0f};
-    float squares = 0.0f;  // of luminance
+    vec3 light{0.0f};      // radiance, but for the share of `open` that arrives
+    float squares = 0.0f;  // of its luminance
+    // Where what lamps bring without shadows is known, samples tell which share of it arrives: what
+    // they would bring, what they do, and by luminance these squared and multiplied.
+    vec3 open{0.0f}, arriving{0.0f};
+    float open2 = 0.0f, arriving2 = 0.0f, both = 0.0f;
     int count = 0;
     int hidden = 0;  // ways that were not free, to lamps within reach
     int free = 0;
+};
+
+// What that says.
+struct Answer {
+    vec3 light{0.0f};
+    bool doubtful = false;  // more samples would tell more
 };
 
 class PixelLamps {
@@ -52,6 +62,10 @@ class PixelLamps {
           wo_(glm::transpose(frame_) * point.side.toward_viewer) {
         const Brdf& brdf = point.surface.brdf;
         lobe_ = brdf.alpha < kWideLobe && luminance(brdf.f0) + brdf.f90 > 0.0f && wo_.z > 0.0f;
+        if (lamps.plain()) {
+            open_ = lamps.irradiance(point.side, point.surface.n) * brdf.diffuse / kPi;
+            return;
+        }
         float angle = 0.0f;
         for (uint32_t i = 0; i < kLookSamples; ++i) {
             const vec3 u(randomPlace(pixel, 4 + 2 * i), randomPlace(pixel, 5 + 2 * i).x);
@@ -83,17 +97,44 @@ class PixelLamps {
         }
     }
 
+    Answer answer(const Sum& sum) const {
+        const auto count = static_cast<float>(sum.count);
+        Answer result{.light = sum.light / count};
+        float squares = sum.squares / count;
+        if (lamps_.plain() && luminance(sum.open) > 0.0f) {
+            const vec3 share =
+                glm::min(sum.arriving / glm::max(sum.open, vec3(1e-30f)), vec3(1.0f));
+            result.light += open_ * share;
+            const float all = luminance(open_) * count / luminance(sum.open);
+            const float part = luminance(sum.arriving) / luminance(sum.open);
+            squares += all * all *
+                       (sum.arriving2 - 2.0f * part * sum.both + part * part * sum.open2) / count;
+        }
+        const float plain = luminance(sum.light) / count;
+        const float variance = std::max(squares - plain * plain, 0.0f);
+        result.doubtful = (sum.hidden > 0 && sum.free > 0) ||
+                          std::sqrt(variance / count) > kDoubt * luminance(result.light);
+        return result;
+    }
+
   private:
     void addTowardLamps(int first, vec3* light, Sum& sum) const {
         Way ways[kPacket];
+        vec3 open[kPacket] = {};
         bool tells[kPacket] = {};
         for (int k = 0; k < kPacket; ++k) {
             const vec3 u = glm::fract(start_ + static_cast<float>(first + k) * kSpread);
             light[k] = vec3(0.0f);
-            if (const auto s = lamps_.sample(point_.side, point_.surface.n, u)) {
-                light[k] = over(s->density + followed(s->wi), s->wi) * s->radiance;
-                ways[k] = s->way;
-                tells[k] = s->within_reach;
+            const auto s = lamps_.sample(point_.side, point_.surface.n, u);
+            if (!s) {
+                continue;
+            }
+            const bool known = lamps_.plain() && s->within_reach;
+            light[k] = over(s->density + followed(s->wi), s->wi, known) * s->radiance;
+            ways[k] = s->way;
+            tells[k] = s->within_reach && s->way.length > 0.0f;
+            if (known) {
+                open[k] = diffuse(s->density, s->wi) * s->radiance;
             }
         }
         const Tracer::Shares passing = tracer_.passing(ways);
@@ -102,6 +143,12 @@ class PixelLamps {
             sum.hidden += tells[k] && !arrives ? 1 : 0;
             sum.free += tells[k] && arrives ? 1 : 0;
             light[k] = arrives ? passing[k] * light[k] : vec3(0.0f);
+            const float all = luminance(open[k]);
+            sum.open += open[k];
+            sum.arriving += passing[k] * open[k];
+            sum.open2 += all * all;
+            sum.arriving2 += passing[k] * passing[k] * all * all;
+            sum.both += passing[k] * all * all;
         }
     }
 
@@ -130,7 +177,8 @@ class PixelLamps {
                 followed(directions[i]) +
                 lamps_.density(point_.side, point_.surface.n, hits[i], directions[i]);
             if (density > 0.0f) {
-                light[of[i]] += over(density, directions[i]) * lamps_.radiance(hits[i]);
+                const bool known = lamps_.plain() && lamps_.withinReach(point_.side, hits[i]);
+                light[of[i]] += over(density, directions[i], known) * lamps_.radiance(hits[i]);
             }
         }
     }
@@ -138,11 +186,13 @@ class PixelLamps {
     // What is scattered of radiance from a direction, times its cosine, over a density. Of a lobe
     // that is followed by the lobe's own density, as its sampler weighs it: its values themselves
     // are rounded, the more the narrower it is.
-    vec3 over(float density, const vec3& wi) const {
+    vec3 over(float density, const vec3& wi, bool without_diffuse) const {
         const Brdf& brdf = point_.surface.brdf;
         const float NoL = glm::dot(wi, point_.surface.n);
         if (!lobe_) {
-            return scattered(point_.surface, point_.side.toward_viewer,
+            Scatterer surface = point_.surface;
+            surface.brdf.diffuse = without_diffuse ? vec3(0.0f) : brdf.diffuse;
+            return scattered(surface, point_.side.toward_viewer,
                              {.wi = wi, .distance = 0.0f, .irradiance = vec3(1.0f / density)});
         }
         const vec3 h = glm::normalize(wi + point_.side.toward_viewer);
@@ -150,7 +200,14 @@ class PixelLamps {
             brdf.f0 + (vec3(brdf.f90) - brdf.f0) * shared::schlickWeight(glm::dot(wi, h));
         const float NoV = std::max(wo_.z, shared::MIN_COSINE);
         const vec3 along = fresnel * (visibleNormalWeight(NoV, NoL, brdf.alpha) * lobeDensity(wi));
-        return NoL > 0.0f ? (along + brdf.diffuse * (NoL / kPi)) / density : vec3(0.0f);
+        if (NoL <= 0.0f) {
+            return vec3(0.0f);
+        }
+        return without_diffuse ? along / density : along / density + diffuse(density, wi);
+    }
+    vec3 diffuse(float density, const vec3& wi) const {
+        return point_.surface.brdf.diffuse *
+               (std::max(glm::dot(wi, point_.surface.n), 0.0f) / (kPi * density));
     }
 
     // The density of all directions that are followed.
@@ -179,23 +236,10 @@ class PixelLamps {
     vec2 lobe_start_;
     mat3 frame_;
     vec3 wo_;             // in the frame
+    vec3 open_{0.0f};     // scattered diffusely if nothing were in the way, where that is known
     bool lobe_ = false;   // followed
     bool large_ = false;  // lamps, so that the cosine is
 };
-
-// Whether more samples would tell more.
-bool doubtful(const Sum& sum) {
-    if (sum.count == 0) {
-        return false;
-    }
-    if (sum.hidden > 0 && sum.free > 0) {
-        return true;
-    }
-    const auto count = static_cast<float>(sum.count);
-    const float mean = luminance(sum.light) / count;
-    const float variance = std::max(sum.squares / count - mean * mean, 0.0f);
-    return std::sqrt(variance / count) > kDoubt * mean;
-}
 
 }  // namespace
 
@@ -206,12 +250,17 @@ Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width,
     const float share = image ? 1.0f : 1.0f / static_cast<float>(width);
     const int rows_around = image ? kAround : 0;
     Image<Sum> sums(width, height);
+    Image<vec3> light(width, height);
+    Image<uint8_t> doubtful(width, height);
     const auto addTo = [&](int x, int y, int first, int count) {
         if (const std::optional<LitPoint> point = pointAt(x, y)) {
             const uint32_t row = image ? static_cast<uint32_t>(y) : rows_of[static_cast<size_t>(y)];
-            PixelLamps(tracer, lamps, *point,
-                       row * static_cast<uint32_t>(width) + static_cast<uint32_t>(x))
-                .add(first, count, sums.at(x, y));
+            const PixelLamps pixel(tracer, lamps, *point,
+                                   row * static_cast<uint32_t>(width) + static_cast<uint32_t>(x));
+            pixel.add(first, count, sums.at(x, y));
+            const Answer answer = pixel.answer(sums.at(x, y));
+            light.at(x, y) = answer.light;
+            doubtful.at(x, y) = answer.doubtful ? 1 : 0;
         }
     };
     const auto forEach = [&](const auto& body) {
@@ -240,15 +289,10 @@ Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width,
             for (int j = std::max(y - rows_around, 0); j <= std::min(y + rows_around, height - 1);
                  ++j) {
                 for (int i = std::max(x - kAround, 0); i <= std::min(x + kAround, width - 1); ++i) {
-                    wanted.at(x, y) |= before.at(x, y) != 0 && doubtful(sums.at(i, j)) ? 1 : 0;
+                    wanted.at(x, y) |= before.at(x, y) != 0 && doubtful.at(i, j) != 0 ? 1 : 0;
                 }
             }
         });
-    }
-    Image<vec3> light(width, height);
-    for (size_t i = 0; i < light.pixels.size(); ++i) {
-        const Sum& sum = sums.pixels[i];
-        light.pixels[i] = sum.light / static_cast<float>(std::max(sum.count, 1));
     }
     return light;
 }

@@ -21,6 +21,17 @@ constexpr float kWayShare = 1.0f - 1e-5f;
 constexpr float kReach = 4.0f;
 constexpr int kReachPackets = 16;
 
+// More lamps' light is not added up without shadows.
+constexpr size_t kMostPlain = 1024;
+
+// Whether all points of a surface emit as much.
+bool shinesAlike(const Material& material) {
+    const bool textured =
+        material.unlit || std::any_of(material.textures.begin(), material.textures.end(),
+                                      [](const TextureUse& use) { return use.used(); });
+    return !textured && !material.lightPasses();
+}
+
 // What a spherical triangle's corners, as seen from a point, span. [VOS83]
 float solidAngle(const vec3& a, const vec3& b, const vec3& c) {
     const float numerator = std::abs(glm::dot(a, glm::cross(b, c)));
@@ -32,6 +43,51 @@ float solidAngle(const vec3& a, const vec3& b, const vec3& c) {
 double angleAt(const dvec3& a, const dvec3& b, const dvec3& c) {
     const dvec3 to_b = glm::cross(a, b), to_c = glm::cross(a, c);
     return std::atan2(glm::length(glm::cross(to_b, to_c)), glm::dot(to_b, to_c));
+}
+
+// The integral of the cosine to a unit normal over what a triangle fills of the half space above,
+// by its corners as seen from a point; `volume`: its area times the height of its plane. [Arv95]
+float projectedAngle(const std::array<vec3, 3>& corners, const vec3& n, float volume) {
+    // So small, or so far, that it is a point.
+    constexpr float kPoint = 1.0f / 1024.0f;
+    const vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0f;
+    const float distance2 = glm::dot(middle, middle);
+    float size2 = 0.0f, low = kInfinity, high = -kInfinity;
+    for (const vec3& corner : corners) {
+        size2 = std::max(size2, glm::dot(corner - middle, corner - middle));
+        low = std::min(low, glm::dot(corner, n));
+        high = std::max(high, glm::dot(corner, n));
+    }
+    if (high <= 0.0f) {
+        return 0.0f;
+    }
+    if (low > 0.0f && size2 < kPoint * distance2) {
+        return volume * glm::dot(middle, n) / (distance2 * distance2);
+    }
+    // What is below the horizon is cut off.
+    std::array<dvec3, 4> kept;
+    size_t count = 0;
+    for (size_t i = 0; i < 3; ++i) {
+        const dvec3 from(corners[i]), to(corners[(i + 1) % 3]);
+        const double above = glm::dot(from, dvec3(n)), next = glm::dot(to, dvec3(n));
+        if (above >= 0.0) {
+            kept[count++] = from;
+        }
+        if ((above > 0.0 && next < 0.0) || (above < 0.0 && next > 0.0)) {
+            kept[count++] = glm::mix(from, to, above / (above - next));
+        }
+    }
+    double sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        const dvec3& a = kept[i];
+        const dvec3& b = kept[(i + 1) % count];
+        const dvec3 across = glm::cross(a, b);
+        const double length = glm::length(across);
+        if (length > 0.0) {
+            sum += std::atan2(length, glm::dot(a, b)) * glm::dot(across, dvec3(n)) / length;
+        }
+    }
+    return static_cast<float>(0.5 * std::abs(sum));
 }
 
 // A direction evenly spread over a spherical triangle. [Arv95]
@@ -140,6 +196,38 @@ LampSampler::LampSampler(const Tracer& tracer) : scene_(tracer.scene()) {
         bounds.reach = reaches_[entry] = kReach * farthest(tracer, triangle, n);
     });
     tree_ = LightTree(entries);
+    plain_ = triangles_.size() <= kMostPlain;
+    for (const uint32_t t : triangles_) {
+        emissions_.push_back(meanEmission(scene_, t));
+        plain_ = plain_ && shinesAlike(scene_.materials[scene_.materials_of[t]]);
+    }
+}
+
+bool LampSampler::reaches(size_t entry, const Corners& c, const vec3& p) const {
+    const vec3 way = c.at(vec2(1.0f / 3.0f)) - p;
+    return glm::dot(way, way) <= reaches_[entry] * reaches_[entry];
+}
+
+bool LampSampler::withinReach(const SurfaceSide& surface, const Hit& hit) const {
+    return reaches(entryOf(hit.triangle) + (hit.back ? 1 : 0), corners(hit.triangle),
+                   surface.start());
+}
+
+vec3 LampSampler::irradiance(const SurfaceSide& surface, const vec3& n) const {
+    const vec3 start = surface.start();
+    vec3 sum(0.0f);
+    for (size_t i = 0; i < triangles_.size(); ++i) {
+        const Corners c = corners(triangles_[i]);
+        const float height = glm::dot(start - c.p0, c.n);
+        const size_t entry = 2 * i + (height < 0.0f ? 1 : 0);
+        if (!(c.area > 0.0f) || !reaches(entry, c, start)) {
+            continue;
+        }
+        sum +=
+            emissions_[i] * projectedAngle({c.p0 - start, c.p0 + c.e1 - start, c.p0 + c.e2 - start},
+                                           n, c.area * std::abs(height));
+    }
+    return sum;
 }
 
 std::optional<LampSampler::Sample> LampSampler::sample(const SurfaceSide& surface, const vec3& n,
@@ -175,7 +263,7 @@ std::optional<LampSampler::Sample> LampSampler::sample(const SurfaceSide& surfac
              .way = {},
              .within_reach = true};
     const float cosine = -glm::dot(s.wi, side);
-    if (!(cosine > 0.0f) || glm::dot(s.wi, n) <= 0.0f || glm::dot(s.wi, surface.n_g) <= 0.0f) {
+    if (!(cosine > 0.0f) || glm::dot(s.wi, n) <= 0.0f) {
         return std::nullopt;
     }
     s.density = choice->probability *
@@ -185,9 +273,11 @@ std::optional<LampSampler::Sample> LampSampler::sample(const SurfaceSide& surfac
         coverageAt(scene_, triangle, barycentric) * emissionAt(scene_, triangle, barycentric);
     // It ends off the lamp's surface, as it starts off the other.
     const vec3 end = position + surfaceOffset(scene_, triangle, position, side, distance) * side;
-    const float length = glm::length(end - start);
-    s.way = {.start = start, .direction = (end - start) / length, .length = length * kWayShare};
-    s.within_reach = distance <= reaches_[choice->light];
+    if (glm::dot(s.wi, surface.n_g) > 0.0f) {
+        const float length = glm::length(end - start);
+        s.way = {.start = start, .direction = (end - start) / length, .length = length * kWayShare};
+    }
+    s.within_reach = reaches(choice->light, c, start);
     return s;
 }
 

@@ -27,14 +27,22 @@ class LampSampler {
         float distance;     ///< to it
         vec3 radiance;      ///< of its point, nits
         float density;      ///< of the direction, over solid angle: above 0
-        Way way;            ///< must be free
+        Way way;            ///< must be free; not asked where the surface itself is in the way
         bool within_reach;  ///< false: it is seldom seen from so far, as the inside of a bulb, and
                             ///< that it is hidden tells nothing of shadows
     };
-    /// Light by three random numbers in [0, 1) that arrives at a surface from where it is not known
-    /// to be dark: on the sides of its geometric normal and of the unit normal n. None where the
-    /// numbers lead to a lamp that does not shine there.
+    /// Light by three random numbers in [0, 1) that arrives at a surface on the side of the unit
+    /// normal n. None where the numbers lead to a lamp that does not shine there.
     std::optional<Sample> sample(const SurfaceSide& surface, const vec3& n, const vec3& u) const;
+
+    /// Whether irradiance() is known: lamps are not too many, and each shines alike all over.
+    bool plain() const { return plain_; }
+    /// What all lamps would bring to a surface if nothing were in the way, but those that are
+    /// seldom seen from so far (Sample::within_reach). [Arv95]
+    vec3 irradiance(const SurfaceSide& surface, const vec3& n) const;
+
+    /// Sample::within_reach of the point of a lamp that a ray from there met.
+    bool withinReach(const SurfaceSide& surface, const Hit& hit) const;
 
     /// The density with which sample() finds the point of a lamp that a ray from there met.
     float density(const SurfaceSide& surface, const vec3& n, const Hit& hit,
@@ -48,12 +56,15 @@ class LampSampler {
     struct Corners;
     uint32_t entryOf(uint32_t triangle) const { return first_.empty() ? kNone : first_[triangle]; }
     Corners corners(uint32_t triangle) const;
+    bool reaches(size_t entry, const Corners& c, const vec3& p) const;
     float farthest(const Tracer& tracer, uint32_t triangle, const vec3& n) const;
 
     const Scene& scene_;
     std::vector<uint32_t> first_;      // [triangle]: of its two entries in the tree, or kNone
     std::vector<uint32_t> triangles_;  // [entry / 2]; even entries are fronts
     std::vector<float> reaches_;       // [entry]
+    std::vector<vec3> emissions_;      // [entry / 2]: mean
+    bool plain_ = true;
     LightTree tree_;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "rays/tracer.h"
@@ -13,9 +14,10 @@ namespace sheen {
 /// Lambertian. Safe to use from many threads.
 class LightCells {
   public:
-    /// `near`: boxes around what is near whoever sees the scene; what lies in one gets cells as
-    /// small as if the box were the scene.
-    explicit LightCells(const Tracer& tracer, const std::vector<Bounds>& near = {});
+    /// Of `lights`, which are not kept. `near`: boxes around what is near whoever sees the scene;
+    /// what lies in one gets cells as small as if the box were the scene.
+    LightCells(const Tracer& tracer, std::span<const PunctualLight> lights,
+               const std::vector<Bounds>& near);
 
     struct Cell {
         /// On a Lambertian surface the light of what reaches all of the cell.
@@ -40,7 +42,8 @@ class LightCells {
         float area = 0.0f;   // of a cell; 0 where no light is on this side: one cell, for all rays
     };
     struct LitTriangle;
-    static LitTriangle light(const Tracer& tracer, uint32_t index, uint32_t n);
+    static LitTriangle light(const Tracer& tracer, std::span<const PunctualLight> lights,
+                             uint32_t index, uint32_t n);
 
     std::vector<Side> sides_;  // front and back of each triangle
     std::vector<Cell> cells_;

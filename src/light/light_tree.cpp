@@ -38,6 +38,14 @@ Intensity Intensity::byCosine(const vec3& n, float power) {
             .around = power * 15.0f / 32.0f * glm::outerProduct(n, n)};
 }
 
+// The integrals of Legendre's polynomials over the cone, times theirs. [RH01]
+Intensity Intensity::inCone(const vec3& axis, float c, float power) {
+    const float second = power * 1.25f * (c - c * c * c);
+    return {.all = power * 0.5f * (1.0f - c) - 0.5f * second,
+            .toward = power * 0.75f * (1.0f - c * c) * axis,
+            .around = 1.5f * second * glm::outerProduct(axis, axis)};
+}
+
 // By the square of the distance and the greatest cosine to n that its bounds allow. 0 only where it
 // brings nothing.
 float LightTree::Node::importance(const vec3& p, const vec3& n) const {
@@ -132,12 +140,13 @@ LightBounds LightTree::build(std::span<const LightBounds> lights, std::span<uint
     return bounds;
 }
 
-std::optional<LightTree::Choice> LightTree::choose(const vec3& p, const vec3& n, float u) const {
+std::optional<LightTree::Choice> LightTree::choose(const vec3& p, const vec3& n, float u,
+                                                   uint32_t node) const {
     if (nodes_.empty()) {
         return std::nullopt;
     }
     float probability = 1.0f;
-    uint32_t index = 0;
+    uint32_t index = node;
     while (!nodes_[index].leaf) {
         const float first = nodes_[index + 1].importance(p, n);
         const float second = nodes_[nodes_[index].second].importance(p, n);
@@ -151,6 +160,36 @@ std::optional<LightTree::Choice> LightTree::choose(const vec3& p, const vec3& n,
         index = to_first ? index + 1 : nodes_[index].second;
     }
     return Choice{.light = nodes_[index].second, .probability = probability, .u = u};
+}
+
+size_t LightTree::cut(const vec3& p, const vec3& n, std::span<uint32_t> nodes) const {
+    struct Part {
+        float importance;  // 0: cannot be parted
+        uint32_t node;
+    };
+    const auto less = [](const Part& a, const Part& b) { return a.importance < b.importance; };
+    std::vector<Part> parts;  // a heap
+    const auto add = [&](uint32_t node) {
+        const float importance = nodes_[node].importance(p, n);
+        if (importance > 0.0f) {
+            parts.push_back({nodes_[node].leaf ? 0.0f : importance, node});
+            std::push_heap(parts.begin(), parts.end(), less);
+        }
+    };
+    if (!nodes_.empty()) {
+        add(0);
+    }
+    while (!parts.empty() && parts.front().importance > 0.0f && parts.size() < nodes.size()) {
+        std::pop_heap(parts.begin(), parts.end(), less);
+        const uint32_t node = parts.back().node;
+        parts.pop_back();
+        add(node + 1);
+        add(nodes_[node].second);
+    }
+    for (size_t i = 0; i < parts.size(); ++i) {
+        nodes[i] = parts[i].node;
+    }
+    return parts.size();
 }
 
 float LightTree::probability(const vec3& p, const vec3& n, uint32_t light) const {

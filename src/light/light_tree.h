@@ -22,6 +22,9 @@ struct Intensity {
     static Intensity everywhere(float power) { return {.all = power}; }
     /// Of a surface, by the cosine to its unit normal, none behind it: three bands. [RH01, eq. 8]
     static Intensity byCosine(const vec3& n, float power);
+    /// Of a light that shines alike within an angle of that cosine around a unit axis, not outside:
+    /// likewise.
+    static Intensity inCone(const vec3& axis, float cosine, float power);
 
     /// Over all directions.
     float mean() const { return all + (around[0][0] + around[1][1] + around[2][2]) / 3.0f; }
@@ -48,8 +51,13 @@ class LightTree {
         float u;  ///< a random number as good as the one that it was chosen by
     };
     /// By a random number in [0, 1), for a point p whose light counts on the side of the unit
-    /// normal n. None where the number leads to lights that cannot reach that side.
-    std::optional<Choice> choose(const vec3& p, const vec3& n, float u) const;
+    /// normal n. None where the number leads to lights that cannot reach that side. `node`: one of
+    /// cut()'s, whose lights alone are chosen from.
+    std::optional<Choice> choose(const vec3& p, const vec3& n, float u, uint32_t node = 0) const;
+
+    /// Nodes, as many as fit into `nodes` at the most, that hold all lights which can reach that
+    /// side: what counts most is parted first. Returns how many.
+    size_t cut(const vec3& p, const vec3& n, std::span<uint32_t> nodes) const;
 
     /// How probable it is that choose() chooses this light.
     float probability(const vec3& p, const vec3& n, uint32_t light) const;

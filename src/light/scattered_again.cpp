@@ -154,7 +154,7 @@ ScatteredAgain::ScatteredAgain(const ScatteredOnce& once, Elements elements,
       once_(once),
       bounces_(bounces),
       elements_(std::move(elements)),
-      cells_(scene(), near) {
+      cells_(once.tracer(), near) {
     std::vector<Equation> equations(elements_.size());
     parallelFor(static_cast<int>(equations.size()), [&](int i) {
         const auto k = static_cast<size_t>(i);
@@ -406,9 +406,11 @@ void ScatteredAgain::radiance(const Rays& rays, std::span<const Hit> hits, vec3*
             };
             // Cells keep what is asked for where rays meet a surface first.
             const float area = rays.solidAngle(ray) * q.hit.distance * q.hit.distance;
-            const std::optional<vec3> kept = followed == 0 || bounces_ == kAllBounces
-                                                 ? cells_.at(q.hit, area, find)
-                                                 : find(vec2(q.hit.u, q.hit.v));
+            const auto cell = followed == 0 || bounces_ == kAllBounces ? cells_.cellOf(q.hit, area)
+                                                                       : std::nullopt;
+            const std::optional<vec3> kept =
+                cell ? cells_.at(*cell, [&] { return find(cell->middle); })
+                     : find(vec2(q.hit.u, q.hit.v));
             ++asked;
             if (!kept) {
                 ++missed;

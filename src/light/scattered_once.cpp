@@ -18,6 +18,15 @@ struct ScatteredOnce::Lit {
     uint32_t trace() const { return cell != nullptr ? cell->trace : ~0u; }
 };
 
+ScatteredOnce::ScatteredOnce(const Tracer& tracer, const SceneLights* lights,
+                             const std::vector<Bounds>& near)
+    : ScatteredOnce(tracer, lights) {
+    cells_.emplace(tracer, each(), near);
+    if (choosing()) {
+        sampled_.emplace(tracer, near);
+    }
+}
+
 void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const {
     Lit lit[kTogether];
     size_t count = 0;
@@ -40,7 +49,7 @@ void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
         radiance[l.ray] = l.cell != nullptr ? l.cell->radiance : vec3(0.0f);
         const uint32_t triangle = l.hit->triangle;
         if (scene().materials[scene().materials_of[triangle]].emits() &&
-            (lamps_ == nullptr || !lamps_->isLamp(triangle))) {
+            (lights_ == nullptr || !lights_->lamps.isLamp(triangle))) {
             radiance[l.ray] +=
                 emissionAt(scene(), triangle, vec3(1.0f - l.hit->u - l.hit->v, l.hit->u, l.hit->v),
                            rays.solidAngle(l.ray) * l.hit->distance * l.hit->distance);
@@ -57,11 +66,8 @@ void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
                         radiance);
         }
     }
-    if ((lamps_ != nullptr && !lamps_->empty()) || !sky_.empty()) {
-        for (size_t i = 0; i < all.size(); i += Tracer::kPacket) {
-            addSampled(rays, all.subspan(i, std::min<size_t>(Tracer::kPacket, all.size() - i)),
-                       radiance);
-        }
+    if (choosing()) {
+        addSampled(rays, all, radiance);
     }
 }
 
@@ -77,9 +83,9 @@ void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
     }
     // Much of what is met lies in the dark: never asked.
     std::optional<Scatterer> surfaces[Tracer::kPacket];
-    for (size_t i = 0; i < scene().lights.size(); ++i) {
+    for (size_t i = 0; i < each().size(); ++i) {
         const uint32_t bit = LightCells::bit(i);
-        const PunctualLight& light = scene().lights[i];
+        const PunctualLight& light = each()[i];
         LightSample samples[Tracer::kPacket];
         bool arrives[Tracer::kPacket] = {};
         Way ways[Tracer::kPacket];
@@ -114,52 +120,140 @@ void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
     }
 }
 
-// Adds, to a packet of hits, one sample of all lamps and one of the sky: many rays share a record,
-// and average what chance adds to each.
-void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3* radiance) const {
-    constexpr int kSources = 2;
+// A point that light chosen by chance arrives at.
+struct ScatteredOnce::Asked {
+    SurfaceSide side;
+    Scatterer surface;
+    uint32_t seed, index;
+    float solid_angle = 0.0f, distance = 0.0f;  // of the ray that sees it
+};
+
+// For each of a packet of points, the light by one sample of all lamps, one of many
+// lights and one of the sky.
+void ScatteredOnce::sample(std::span<const Asked> points, vec3* radiance) const {
+    constexpr int kSources = 3;
     vec3 light[kSources][Tracer::kPacket];
     Way ways[kSources][Tracer::kPacket];
-    for (size_t k = 0; k < lit.size(); ++k) {
-        const Hit& hit = *lit[k].hit;
-        const SurfacePoint p =
-            surfacePoint(scene(), hit.triangle, hit.u, hit.v, -rays.directions[lit[k].ray],
-                         hit.distance, rays.solidAngle(lit[k].ray));
-        const SurfaceSide side{
-            .position = p.position,
-            .n_g = p.n_g,
-            .toward_viewer = p.wo,
-            .offset = surfaceOffset(scene(), hit.triangle, p.position, p.n_g, p.distance)};
-        const Scatterer surface = scattererAt(scene(), p);
-        const uint32_t seed = hashOfPoint(hit.triangle, hit.u, hit.v);
-        const vec2 u = randomPlace(seed, 0), v = randomPlace(seed, 1);
+    for (size_t k = 0; k < points.size(); ++k) {
+        const Asked& p = points[k];
+        const vec2 u = randomPlace(p.seed, 2 * p.index), v = randomPlace(p.seed, 2 * p.index + 1);
         const auto arriving = [&](const vec3& wi, float distance, const vec3& irradiance) {
-            Scatterer seen = surface;
-            seen.brdf.alpha = shared::filteredAlpha(seen.brdf.alpha, rays.solidAngle(lit[k].ray),
-                                                    hit.distance, distance);
-            return scattered(seen, p.wo,
+            Scatterer seen = p.surface;
+            seen.brdf.alpha =
+                shared::filteredAlpha(seen.brdf.alpha, p.solid_angle, p.distance, distance);
+            return scattered(seen, p.side.toward_viewer,
                              {.wi = wi, .distance = distance, .irradiance = irradiance});
         };
-        if (lamps_ != nullptr) {
-            if (const auto s = lamps_->sample(side, surface.n, vec3(u, v.x))) {
+        if (lights_ != nullptr) {
+            if (const auto s = lights_->lamps.sample(p.side, p.surface.n, vec3(u, v.x))) {
                 light[0][k] = arriving(s->wi, s->distance, s->radiance / s->density);
                 ways[0][k] = s->way;
             }
-        }
-        if (!sky_.empty()) {
-            const SkySampler::Sample s = sky_.sample(surface.n, v);
-            if (s.density > 0.0f && glm::dot(s.wi, p.n_g) > 0.0f) {
-                light[1][k] = arriving(s.wi, -1.0f, s.radiance / s.density);
-                ways[1][k] = {.start = side.start(), .direction = s.wi, .length = kInfinity};
+            if (const auto s = lights_->punctual.sample(p.side, p.surface.n, v.y)) {
+                light[1][k] = arriving(s->light.wi, s->light.distance, s->light.irradiance);
+                ways[1][k] = s->way;
             }
         }
+        if (!sky_.empty()) {
+            const SkySampler::Sample s = sky_.sample(p.surface.n, v);
+            if (s.density > 0.0f && glm::dot(s.wi, p.side.n_g) > 0.0f) {
+                light[2][k] = arriving(s.wi, -1.0f, s.radiance / s.density);
+                ways[2][k] = {.start = p.side.start(), .direction = s.wi, .length = kInfinity};
+            }
+        }
+        radiance[k] = vec3(0.0f);
     }
     for (int source = 0; source < kSources; ++source) {
-        const Tracer::Shares passing = tracer().passing({ways[source], lit.size()});
-        for (size_t k = 0; k < lit.size(); ++k) {
-            radiance[lit[k].ray] += passing[k] > 0.0f ? passing[k] * light[source][k] : vec3(0.0f);
+        const Tracer::Shares passing = tracer().passing({ways[source], points.size()});
+        for (size_t k = 0; k < points.size(); ++k) {
+            radiance[k] += passing[k] > 0.0f ? passing[k] * light[source][k] : vec3(0.0f);
         }
     }
+}
+
+ScatteredOnce::Asked ScatteredOnce::pointAt(const Hit& hit, const vec2& uv, const vec3& wo) const {
+    const SurfacePoint p = surfacePoint(scene(), hit.triangle, uv.x, uv.y, wo, hit.distance);
+    return {.side = {.position = p.position,
+                     .n_g = p.n_g,
+                     .toward_viewer = p.wo,
+                     .offset = surfaceOffset(scene(), hit.triangle, p.position, p.n_g, p.distance)},
+            .surface = scattererAt(scene(), p),
+            .seed = 0,
+            .index = 0};
+}
+
+// What the side of a cell that was hit scatters alike in all directions, or would if it were white
+// where that depends on where it is seen from: the mean over places spread over it.
+vec3 ScatteredOnce::scatteredByCell(const Hit& hit, const IrradianceCells::Cell& cell) const {
+    const vec3 front = geometricNormal(scene(), static_cast<int>(hit.triangle));
+    Hit seen = hit;  // from as far as the cell is long: whichever hit asks first finds the same
+    seen.distance = TriangleEdges(scene(), hit.triangle).longestEdge() * std::abs(cell.scale);
+    const uint32_t seed = pcgHash(cell.cell + pcgHash(hit.triangle));
+    vec3 sum(0.0f);
+    for (uint32_t first = 0; first < kCellSamples; first += Tracer::kPacket) {
+        std::array<Asked, Tracer::kPacket> points;
+        for (uint32_t k = 0; k < Tracer::kPacket; ++k) {
+            const vec2 uv = cell.spread(randomPlace(~seed, first + k));
+            points[k] = pointAt(seen, uv, hit.back ? -front : front);
+            if (!lambertian(hit)) {
+                points[k].surface.brdf = {
+                    .diffuse = vec3(1.0f), .alpha = 1.0f, .f0 = vec3(0.0f), .f90 = 0.0f};
+            }
+            points[k].seed = seed;
+            points[k].index = first + k;
+        }
+        vec3 light[Tracer::kPacket];
+        sample(points, light);
+        for (const vec3& l : light) {
+            sum += l;
+        }
+    }
+    return sum / float{kCellSamples};
+}
+
+// Adds what lamps, many lights and the sky send by way of hits. Cells know what is scattered alike
+// in all directions; the rest is sampled once a hit: many rays share a record, and average what
+// chance adds to each.
+void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3* radiance) const {
+    std::array<Asked, Tracer::kPacket> points;
+    size_t of[Tracer::kPacket];
+    size_t count = 0;
+    const auto flush = [&] {
+        vec3 light[Tracer::kPacket];
+        sample({points.data(), count}, light);
+        for (size_t k = 0; k < count; ++k) {
+            radiance[of[k]] += light[k];
+        }
+        count = 0;
+    };
+    for (const Lit& l : lit) {
+        const Hit& hit = *l.hit;
+        const float area = rays.solidAngle(l.ray) * hit.distance * hit.distance;
+        const auto cell = sampled_ ? sampled_->cellOf(hit, area) : std::nullopt;
+        vec3 alike(0.0f);
+        if (cell) {
+            alike =
+                *sampled_->at(*cell, [&] { return std::optional(scatteredByCell(hit, *cell)); });
+            if (lambertian(hit)) {
+                radiance[l.ray] += alike;
+                continue;
+            }
+        }
+        Asked& p = points[count];
+        p = pointAt(hit, vec2(hit.u, hit.v), -rays.directions[l.ray]);
+        p.seed = hashOfPoint(hit.triangle, hit.u, hit.v);
+        p.solid_angle = rays.solidAngle(l.ray);
+        p.distance = hit.distance;
+        if (cell) {
+            radiance[l.ray] += p.surface.brdf.diffuse * alike;
+            p.surface.brdf.diffuse = vec3(0.0f);
+        }
+        of[count++] = l.ray;
+        if (count == Tracer::kPacket) {
+            flush();
+        }
+    }
+    flush();
 }
 
 }  // namespace sheen

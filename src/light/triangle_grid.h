@@ -72,6 +72,13 @@ struct TriangleGrid {
     struct Place {
         uint32_t cell;
         vec2 middle;
+        float scale;  ///< its edges over the triangle's, negative where it points the other way
+
+        /// A place evenly spread over the cell by two random numbers.
+        vec2 spread(const vec2& u) const {
+            const vec2 uv = u.x + u.y < 1.0f ? u : 1.0f - u;
+            return middle + scale * (uv - 1.0f / 3.0f);
+        }
     };
     Place placeOf(float u, float v) const {
         const float x = std::max(u * static_cast<float>(n), 0.0f);
@@ -80,8 +87,10 @@ struct TriangleGrid {
         const uint32_t i = std::min(static_cast<uint32_t>(x), n - 1 - j);
         const bool between =
             i + j + 1 < n && x - static_cast<float>(i) + y - static_cast<float>(j) > 1.0f;
-        return {firstOfRow(j) + 2 * i + (between ? 1 : 0),
-                (vec2(i, j) + (between ? 2.0f : 1.0f) / 3.0f) / static_cast<float>(n)};
+        const float scale = 1.0f / static_cast<float>(n);
+        return {.cell = firstOfRow(j) + 2 * i + (between ? 1 : 0),
+                .middle = scale * (vec2(i, j) + (between ? 2.0f : 1.0f) / 3.0f),
+                .scale = between ? -scale : scale};
     }
 };
 

@@ -190,6 +190,20 @@ double quantileOfNoise(std::vector<double>& deviations, double share) {
     return high;
 }
 
+void findWorstTile(const std::vector<Tile>& tiles, double mean, Comparison& result) {
+    for (const Tile& tile : tiles) {
+        if (tile.sums.samples == 0) {
+            continue;
+        }
+        const double error =
+            ratio(std::sqrt(tile.sums.mse()), tile.sums.meanReference() + kTileFloor * mean);
+        if (error > result.tile_max) {
+            result.tile_max = error;
+            result.worst_tile = tile.corner;
+        }
+    }
+}
+
 }  // namespace
 
 Comparison compareImages(const CompareInput& input) {
@@ -238,17 +252,7 @@ Comparison compareImages(const CompareInput& input) {
         result.noise_p99 = quantileOfNoise(relative_noise, 0.99);
     }
     result.max = *std::max_element(relative_errors.begin(), relative_errors.end());
-    for (const Tile& tile : tiles) {
-        if (tile.sums.samples == 0) {
-            continue;
-        }
-        const double error =
-            ratio(std::sqrt(tile.sums.mse()), tile.sums.meanReference() + kTileFloor * mean);
-        if (error > result.tile_max) {
-            result.tile_max = error;
-            result.worst_tile = tile.corner;
-        }
-    }
+    findWorstTile(tiles, mean, result);
     result.noise_share = all.squared > 0.0 ? std::min(1.0, all.variance / all.squared) : 0.0;
     result.judged = result.noise_share <= kMaxNoiseShare;
     return result;

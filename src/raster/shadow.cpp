@@ -157,6 +157,32 @@ bool fits(int resolution, size_t layers) {
     return int64_t{4} * resolution * resolution * static_cast<int64_t>(layers) <= kShadowBytes;
 }
 
+// A layer of the maps for each view.
+void drawMaps(const GpuScene& gpu, const std::vector<View>& views, int resolution) {
+    using namespace gl;
+    ClusterDrawer drawer(gpu, "raster/depth.frag");
+    drawer.setViews(gpu, views);
+    glEnable(GL_DEPTH_TEST);
+    glViewport(0, 0, resolution, resolution);
+    for (int i = 0; i < static_cast<int>(views.size()); ++i) {
+        GLuint name = 0;
+        glCreateFramebuffers(1, &name);
+        const Framebuffer framebuffer(name);
+        glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, gpu.shadow_maps.name(), 0, i);
+        glBindFramebuffer(GL_FRAMEBUFFER, name);
+        const float far_depth = 0.0f;
+        glClearNamedFramebufferfv(name, GL_DEPTH, 0, &far_depth);
+        // What lies between the sun and a box shades it, too.
+        const bool parallel = views[static_cast<size_t>(i)].kind == shared::VIEW_PARALLEL;
+        (parallel ? glEnable : glDisable)(GL_DEPTH_CLAMP);
+        drawer.draw(i);
+        glFinish();
+    }
+    glDisable(GL_DEPTH_CLAMP);
+    glDisable(GL_DEPTH_TEST);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
 }  // namespace
 
 std::vector<std::string> shadingDefines(const GpuScene& gpu, int taps) {
@@ -224,29 +250,7 @@ void renderShadowMaps(gl::WorkerPool& pool, const Scene& scene, GpuScene& gpu,
         glTextureParameteri(maps, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
         glTextureParameteri(maps, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     });
-    pool.runOnFirst([&] {
-        ClusterDrawer drawer(gpu, "raster/depth.frag");
-        drawer.setViews(gpu, views);
-        glEnable(GL_DEPTH_TEST);
-        glViewport(0, 0, resolution, resolution);
-        for (int i = 0; i < static_cast<int>(views.size()); ++i) {
-            GLuint name = 0;
-            glCreateFramebuffers(1, &name);
-            const Framebuffer framebuffer(name);
-            glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, gpu.shadow_maps.name(), 0, i);
-            glBindFramebuffer(GL_FRAMEBUFFER, name);
-            const float far_depth = 0.0f;
-            glClearNamedFramebufferfv(name, GL_DEPTH, 0, &far_depth);
-            // What lies between the sun and a box shades it, too.
-            const bool parallel = views[static_cast<size_t>(i)].kind == shared::VIEW_PARALLEL;
-            (parallel ? glEnable : glDisable)(GL_DEPTH_CLAMP);
-            drawer.draw(i);
-            glFinish();
-        }
-        glDisable(GL_DEPTH_CLAMP);
-        glDisable(GL_DEPTH_TEST);
-        glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    });
+    pool.runOnFirst([&] { drawMaps(gpu, views, resolution); });
 }
 
 }  // namespace sheen

@@ -31,11 +31,11 @@ GBuffer coatsAlone(const GBuffer& gbuffer) {
 
 }  // namespace
 
-Image<vec3> directWithCoats(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer,
+Image<vec3> directWithCoats(const Tracer& tracer, const SceneLights& lights, const GBuffer& gbuffer,
                             std::span<const uint32_t> rows_of) {
-    Image<vec3> direct = traceDirect(tracer, lamps, gbuffer, rows_of);
+    Image<vec3> direct = traceDirect(tracer, lights, gbuffer, rows_of);
     if (!gbuffer.coat.empty()) {
-        const Image<vec3> of_coats = traceDirect(tracer, lamps, coatsAlone(gbuffer), rows_of);
+        const Image<vec3> of_coats = traceDirect(tracer, lights, coatsAlone(gbuffer), rows_of);
         for (size_t i = 0; i < direct.pixels.size(); ++i) {
             direct.pixels[i] += of_coats.pixels[i];
         }

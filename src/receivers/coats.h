@@ -8,7 +8,7 @@
 namespace sheen {
 
 /// Direct light of a G-buffer, that of its coats included; as traceDirect().
-Image<vec3> directWithCoats(const Tracer& tracer, const LampSampler& lamps, const GBuffer& gbuffer,
+Image<vec3> directWithCoats(const Tracer& tracer, const SceneLights& lights, const GBuffer& gbuffer,
                             std::span<const uint32_t> rows_of = {});
 
 /// The coats as receivers that rays alone serve; the others are seen by none. Only what rays of

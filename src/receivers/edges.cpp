@@ -79,10 +79,10 @@ bool seesTheSame(const Place& a, const Place& b, const vec3& eye) {
 
 class EdgeFinder {
   public:
-    EdgeFinder(const Tracer& tracer, const LampSampler& lamps, const Camera& camera,
+    EdgeFinder(const Tracer& tracer, const SceneLights& lights, const Camera& camera,
                const Receivers& pixels, const Veil& veil, int count)
         : tracer_(tracer),
-          lamps_(lamps),
+          lights_(lights),
           camera_(camera),
           pixels_(pixels),
           veil_(veil),
@@ -136,7 +136,7 @@ class EdgeFinder {
     std::optional<size_t> pixelOfSurface(size_t pixel, const Place& place) const;
 
     const Tracer& tracer_;
-    const LampSampler& lamps_;
+    const SceneLights& lights_;
     const Camera& camera_;
     const Receivers& pixels_;
     const Veil& veil_;
@@ -211,7 +211,7 @@ void EdgeFinder::look(const std::vector<size_t>& found, Edges& edges, std::vecto
     }
     GBuffer seen = see(places, static_cast<int>(count));
     seen.direct =
-        directWithCoats(tracer_, lamps_, seen, std::vector<uint32_t>(found.begin(), found.end()));
+        directWithCoats(tracer_, lights_, seen, std::vector<uint32_t>(found.begin(), found.end()));
     std::vector<Look> looks(found.size());
     constexpr int kGrain = 16;
     parallelFor(
@@ -342,9 +342,9 @@ std::vector<vec2> pixelSamples(int count) {
     return samples;
 }
 
-Edges findEdges(const Tracer& tracer, const LampSampler& lamps, const Camera& camera,
+Edges findEdges(const Tracer& tracer, const SceneLights& lights, const Camera& camera,
                 const Receivers& pixels, const Veil& veil, int sh_order, int count) {
-    return EdgeFinder(tracer, lamps, camera, pixels, veil, count).run(sh_order);
+    return EdgeFinder(tracer, lights, camera, pixels, veil, count).run(sh_order);
 }
 
 }  // namespace sheen

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "light/lamps.h"
+#include "light/scene_lights.h"
 #include "receivers/receivers.h"
 
 namespace sheen {
@@ -58,7 +58,7 @@ struct Veil {
 /// Samples get direct light of their own; other light they take from the most alike of the pixels
 /// here and around that see their surface, and of all that their own share. `sh_order`: as
 /// receiversOf() has it. Environment error likewise.
-Edges findEdges(const Tracer& tracer, const LampSampler& lamps, const Camera& camera,
+Edges findEdges(const Tracer& tracer, const SceneLights& lights, const Camera& camera,
                 const Receivers& pixels, const Veil& veil, int sh_order, int count);
 
 }  // namespace sheen

@@ -4,6 +4,36 @@
 #include <cmath>
 
 namespace sheen {
+namespace {
+
+// A sphere's slab before a camera, along one axis of the image.
+struct Slab {
+    double x = 0, z = 0;                 // of the sphere's centre: aside, ahead
+    double radius = 0, half_height = 0;  // of the sphere, of the slab
+    double normal_x = 0, normal_z = 0;
+
+    // A plane through the eye, x = s z, has all of the slab on one side where the centre's distance
+    // from it is at least the slab's support along the plane's normal (1, -s): a disc's and half
+    // the height's.
+    bool outside(double s, double sign) const {
+        const double along = normal_x - s * normal_z;
+        const double support = radius * std::sqrt(std::max(1.0 + s * s - along * along, 0.0)) +
+                               half_height * std::abs(along);
+        return sign * (s * z - x) >= support;
+    }
+    // From the sphere's bound toward the centre, as long as the slab stays outside.
+    double tightened(double bound, double sign) const {
+        constexpr int kSteps = 5;
+        double inner = x / z;
+        for (int i = 0; i < kSteps && half_height < radius; ++i) {
+            const double middle = 0.5 * (inner + bound);
+            (outside(middle, sign) ? bound : inner) = middle;
+        }
+        return bound;
+    }
+};
+
+}  // namespace
 
 PixelRect slabBounds(const PixelGrid& image, const vec3& center, float radius, const vec3& normal,
                      float half_height) {
@@ -37,29 +67,14 @@ PixelRect slabBounds(const PixelGrid& image, const vec3& center, float radius, c
         }
         const double root = r * std::sqrt(tangent2);
         const double denominator = z * z - r * r;
-        // A plane through the eye, x = s z, has all of the slab on one side where the centre's
-        // distance from it is at least the slab's support along the plane's normal (1, -s): a
-        // disc's and half the height's.
-        const double normal_x = glm::dot(glm::dvec3(normal), aside);
-        const double normal_z = glm::dot(glm::dvec3(normal), forward);
-        const auto outside = [&](double s, double sign) {
-            const double along = normal_x - s * normal_z;
-            const double support = r * std::sqrt(std::max(1.0 + s * s - along * along, 0.0)) +
-                                   half_height * std::abs(along);
-            return sign * (s * z - x) >= support;
-        };
-        // From the sphere's bound toward the centre, as long as the slab stays outside.
-        const auto tightened = [&](double bound, double sign) {
-            constexpr int kSteps = 5;
-            double inner = x / z;
-            for (int i = 0; i < kSteps && half_height < radius; ++i) {
-                const double middle = 0.5 * (inner + bound);
-                (outside(middle, sign) ? bound : inner) = middle;
-            }
-            return bound / scale - leaning;
-        };
-        const double s0 = tightened((x * z - root) / denominator, -1.0);
-        const double s1 = tightened((x * z + root) / denominator, 1.0);
+        const Slab slab = {.x = x,
+                           .z = z,
+                           .radius = r,
+                           .half_height = half_height,
+                           .normal_x = glm::dot(glm::dvec3(normal), aside),
+                           .normal_z = glm::dot(glm::dvec3(normal), forward)};
+        const double s0 = slab.tightened((x * z - root) / denominator, -1.0) / scale - leaning;
+        const double s1 = slab.tightened((x * z + root) / denominator, 1.0) / scale - leaning;
         const auto pixel = [size](double s) {
             return std::clamp((0.5 * s + 0.5) * size, -1.0, size + 1.0);
         };

@@ -33,7 +33,7 @@ struct ShLayout {
     }
 };
 
-/// Bands that carry translation gradients, at most (docs/decisions.md).
+/// Bands that carry translation gradients, at most (docs/decisions/gather.md).
 constexpr int kShGradientOrder = 3;
 
 inline ShLayout shLayout(int order) {

@@ -1,5 +1,5 @@
 // The two roads by which records find the light around them, and how finely each looks; measured in
-// docs/decisions.md.
+// docs/decisions/gather.md.
 #pragma once
 
 #include "hemisphere/hemisphere.h"

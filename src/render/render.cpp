@@ -208,6 +208,18 @@ ComposeCounts smoothEdges(SceneState& state, const ViewState& view, const Record
     return blendEdges(*view.edges, pixels, {strays, splat, specular}, result.frame);
 }
 
+// What a pass gathers with where the user has not said.
+HemisphereParams hemisphereOf(const HemisphereParams& wanted, GatherRoad road, float accuracy) {
+    HemisphereParams hemisphere = wanted;
+    if (hemisphere.size == 0) {
+        hemisphere.size = gatherSize(road, accuracy, hemisphere.kind);
+    }
+    if (hemisphere.extent == 0.0f) {
+        hemisphere.extent = gatherExtent(hemisphere.kind);
+    }
+    return hemisphere;
+}
+
 // placement, which gathers and projects -> splat -> compose. A pass that is given up has changed
 // nothing of `result` but times.
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
@@ -217,13 +229,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     if (how.min_pixels == 0.0f) {
         how.min_pixels = leastReach(pass.accuracy);
     }
-    HemisphereParams hemisphere = params.gather;
-    if (hemisphere.size == 0) {
-        hemisphere.size = gatherSize(state.road, pass.accuracy, hemisphere.kind);
-    }
-    if (hemisphere.extent == 0.0f) {
-        hemisphere.extent = gatherExtent(hemisphere.kind);
-    }
+    const HemisphereParams hemisphere = hemisphereOf(params.gather, state.road, pass.accuracy);
 
     RenderStats& stats = result.stats;
     StageSeconds& seconds = stats.seconds;
@@ -287,7 +293,7 @@ void renderToTarget(const RenderParams& params, SceneState& state, ViewState& vi
                                              // and not quite as fine
     constexpr float kFinestFirst = 0.25f;    // a target may be out of reach
     // The error falls like this power of the accuracy, until what records do not cause is left:
-    // from the first pass on its power is then small (docs/decisions.md).
+    // from the first pass on its power is then small (docs/decisions/placement.md).
     constexpr double kUsualPower = 0.7;
     constexpr double kLeastPower = 0.25;
     constexpr float kTelling = 0.35f;    // over less of the first accuracy chance hides it
@@ -323,7 +329,7 @@ void renderInTime(const RenderParams& params, const Timer& timer, SceneState& st
     constexpr double kWorthwhile = 0.85;  // a smaller gain in accuracy does not show
     constexpr double kMargin = 0.85;      // of the time there is
     // The number of records, and the time of a pass, go with these powers of one over the accuracy
-    // (docs/decisions.md).
+    // (docs/decisions/placement.md).
     constexpr double kRecordsPower = 1.3;
     constexpr double kTimePower = 1.7;
     const StageSeconds& seconds = result.stats.seconds;
@@ -429,7 +435,8 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
         case Method::kIrradiance: {
             if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
                 throwUsage(
-                    "--environment: records that are rasterised see no sky; use --gather ray");
+                    "--gather: records that are rasterised see no sky; use --gather ray, or "
+                    "--environment none");
             }
             if (params.gather_road == GatherRoad::kRaster && params.bounces != 1) {
                 throwUsage("--bounces: records that are rasterised have 1; use --gather ray");

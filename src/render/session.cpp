@@ -50,7 +50,7 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
       tracer(timed(seconds.gather, [&] { return Tracer(scene); })),
-      lamps(timed(seconds.gather, [&] { return LampSampler(tracer); })) {
+      lights(timed(seconds.gather, [&] { return SceneLights(tracer); })) {
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
@@ -69,8 +69,7 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
     }
     const StageTimer timer(seconds.gather);
     // The raster road gathers what lamps send, as light of surfaces.
-    outgoing.emplace(tracer, road == GatherRoad::kRays ? &lamps : nullptr,
-                     LightCells(tracer, near));
+    outgoing.emplace(tracer, road == GatherRoad::kRays ? &lights : nullptr, near);
 }
 
 SceneState::~SceneState() {
@@ -98,7 +97,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {
-            gbuffer.direct = directWithCoats(state.tracer, state.lamps, gbuffer);
+            gbuffer.direct = directWithCoats(state.tracer, state.lights, gbuffer);
             if (!gbuffer.coat.empty() && params.method == Method::kRadiance) {
                 coats = coatsOf(state.scene, gbuffer);
             }
@@ -112,7 +111,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     });
     if (params.aa > 1) {
         const StageTimer timer(seconds.gbuffer);
-        edges = findEdges(state.tracer, state.lamps, camera, receivers, {veil, share},
+        edges = findEdges(state.tracer, state.lights, camera, receivers, {veil, share},
                           params.sh_order, params.aa);
         for (const EdgePixel& edge : edges->pixels) {
             if (!share.empty()) {

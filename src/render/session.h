@@ -22,7 +22,7 @@ struct SceneState {
     const GatherRoad road;
     gl::WorkerPool pool;
     Tracer tracer;
-    LampSampler lamps;
+    SceneLights lights;
     std::optional<ScatteredOnce> outgoing;  // what rays see of one bounce
     GpuScene gpu;                           // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes

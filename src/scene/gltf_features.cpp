@@ -13,6 +13,7 @@ constexpr const char* kRefused = "refused";
 
 // Those that a file may require; others are ignored where they are optional.
 const std::map<std::string, const char*> kExtensions = {
+    {"EXT_lights_image_based", "right: by its sharpest images; --environment replaces it"},
     {"EXT_mesh_gpu_instancing", kRight},
     {"EXT_meshopt_compression", kRight},
     {"EXT_texture_avif", kIgnored},

@@ -87,6 +87,25 @@ std::vector<vec4> readColors(File& file, int accessor, const std::string& where)
     return colors;
 }
 
+// Those of the file, or, where it has none, one after the other.
+std::vector<uint32_t> indicesOf(File& file, const tinygltf::Primitive& source, size_t count,
+                                const std::string& where) {
+    std::vector<uint32_t> indices;
+    if (source.indices != -1) {
+        indices = readIndices(file, source.indices, count, where + ", indices");
+    } else {
+        indices.resize(count);
+        for (size_t i = 0; i < count; ++i) {
+            indices[i] = static_cast<uint32_t>(i);
+        }
+    }
+    if (source.mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) {
+        file.notes.add(
+            "index list that is no multiple of three: its last, incomplete triangle left out");
+    }
+    return indices;
+}
+
 Primitive readPrimitive(File& file, const tinygltf::Primitive& source,
                         const std::vector<double>& weights, const std::string& where) {
     const Integers quantized = file.uses("KHR_mesh_quantization") ? Integers::kAny : Integers::kNo;
@@ -109,46 +128,26 @@ Primitive readPrimitive(File& file, const tinygltf::Primitive& source,
     primitive.positions = asVectors<vec3>(
         readFloats(file, attribute("POSITION"), 3, quantized, where + ", POSITION"));
     const size_t count = primitive.positions.size();
-    if (source.attributes.count("NORMAL") > 0) {
-        primitive.normals = asVectors<vec3>(
-            readFloats(file, attribute("NORMAL"), 3, quantized, where + ", NORMAL"));
-        check_count("NORMAL", primitive.normals.size(), count);
-    }
-    const auto read_uvs = [&](const char* name, std::vector<vec2>& uvs) {
-        if (attribute(name) == -1) {
+    const auto read = [&](const char* name, auto& values, Integers integers) {
+        if (source.attributes.count(name) == 0) {
             return;
         }
-        uvs = asVectors<vec2>(
-            readFloats(file, attribute(name), 2,
-                       quantized == Integers::kAny ? Integers::kAny : Integers::kNormalizedUnsigned,
-                       fmt::format("{}, {}", where, name)));
-        check_count(name, uvs.size(), count);
+        using Vector = typename std::decay_t<decltype(values)>::value_type;
+        values = asVectors<Vector>(readFloats(file, attribute(name), Vector::length(), integers,
+                                              fmt::format("{}, {}", where, name)));
+        check_count(name, values.size(), count);
     };
-    read_uvs("TEXCOORD_0", primitive.uvs);
-    read_uvs("TEXCOORD_1", primitive.second_uvs);
+    read("NORMAL", primitive.normals, quantized);
+    const Integers of_uvs =
+        quantized == Integers::kAny ? Integers::kAny : Integers::kNormalizedUnsigned;
+    read("TEXCOORD_0", primitive.uvs, of_uvs);
+    read("TEXCOORD_1", primitive.second_uvs, of_uvs);
     if (attribute("COLOR_0") != -1) {
         primitive.colors = readColors(file, attribute("COLOR_0"), where + ", COLOR_0");
         check_count("COLOR_0", primitive.colors.size(), count);
     }
-    if (attribute("TANGENT") != -1) {
-        primitive.tangents = asVectors<vec4>(
-            readFloats(file, attribute("TANGENT"), 4, quantized, where + ", TANGENT"));
-        check_count("TANGENT", primitive.tangents.size(), count);
-    }
-    std::vector<uint32_t> indices;
-    if (source.indices != -1) {
-        indices = readIndices(file, source.indices, count, where + ", indices");
-    } else {
-        indices.resize(count);
-        for (size_t i = 0; i < count; ++i) {
-            indices[i] = static_cast<uint32_t>(i);
-        }
-    }
-    if (source.mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) {
-        file.notes.add(
-            "index list that is no multiple of three: its last, incomplete triangle left out");
-    }
-    primitive.triangles = trianglesOf(indices, source.mode);
+    read("TANGENT", primitive.tangents, quantized);
+    primitive.triangles = trianglesOf(indicesOf(file, source, count, where), source.mode);
     const auto morph = [&](const char* name, auto& values) {
         if (!values.empty()) {
             const auto components = static_cast<size_t>(values[0].length());
@@ -296,6 +295,19 @@ void mendNormals(File& file, Primitive& primitive) {
     }
 }
 
+// What no mesh has had before, those before lack.
+void fillWhatWasLacking(const Primitive& primitive, Scene& scene) {
+    if (!primitive.second_uvs.empty()) {
+        scene.second_uvs.resize(scene.positions.size(), vec2(0.0f));
+    }
+    if (!primitive.colors.empty()) {
+        scene.colors.resize(scene.positions.size(), vec4(1.0f));
+    }
+    if (!primitive.tangents.empty()) {
+        scene.tangents.resize(scene.positions.size(), vec4(0.0f));
+    }
+}
+
 void append(File& file, const Primitive& primitive, uint32_t material, Scene& scene) {
     if (scene.triangles.size() + primitive.triangles.size() > kMaxTriangles) {
         file.fail("meshes", "more than {} triangles; split or simplify the scene", kMaxTriangles);
@@ -308,16 +320,7 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
         bad_uvs += bad ? 1 : 0;
         return bad ? vec2(0.0f) : uv;
     };
-    // What no mesh has had before, those before lack.
-    if (!primitive.second_uvs.empty()) {
-        scene.second_uvs.resize(scene.positions.size(), vec2(0.0f));
-    }
-    if (!primitive.colors.empty()) {
-        scene.colors.resize(scene.positions.size(), vec4(1.0f));
-    }
-    if (!primitive.tangents.empty()) {
-        scene.tangents.resize(scene.positions.size(), vec4(0.0f));
-    }
+    fillWhatWasLacking(primitive, scene);
     const bool with_tangents = !primitive.tangents.empty() || !scene.tangents.empty();
     const bool with_second_uvs = !primitive.second_uvs.empty() || !scene.second_uvs.empty();
     const bool with_colors = !primitive.colors.empty() || !scene.colors.empty();

@@ -68,6 +68,43 @@ void checkExtent(const File& file, const Scene& scene) {
     }
 }
 
+// A sky of the user's or the file's, whose sun shines as a light of its own.
+void addEnvironment(File& file, const EnvironmentParams& environment, Scene& scene) {
+    std::vector<std::string> warnings;
+    scene.environment = environment.source.empty()
+                            ? loadSky(file)
+                            : loadEnvironment(environment, file.read, warnings);
+    scene.environment.visible = !environment.transparent;
+    for (const std::string& warning : warnings) {
+        file.notes.add(warning);
+    }
+    if (const auto sun = takeOutSun(scene.environment)) {
+        scene.lights.push_back(*sun);
+        scene.light_names.push_back("sun");
+        file.notes.add(fmt::format(
+            "{}: its sun, {:.3g} lux, is taken out of the image and shines as a directional light",
+            environment.source.empty() ? "the file's sky" : environment.source,
+            luminance(sun->intensity)));
+    }
+}
+
+// Light for a scene without any.
+void addStudio(File& file, const EnvironmentParams& environment, Scene& scene) {
+    scene.lights.push_back(keyLight(scene.cameras.front()));
+    scene.light_names.push_back("default");
+    if (!environment.no_sky) {
+        scene.environment = studioSky(scene.cameras.front());
+        scene.environment.visible = !environment.transparent;
+    }
+    file.notes.add(
+        environment.no_sky
+            ? "the scene has no light and nothing that emits: lit by a key light from above, "
+              "to the left of its first view; --gather ray lights it by a studio's sky as well"
+            : "the scene has no light and nothing that emits: lit by a studio's grey sky and a "
+              "key light from above, to the left of its first view; --environment lights it by "
+              "another sky or, by none, not at all");
+}
+
 }  // namespace
 }  // namespace gltf
 
@@ -91,18 +128,7 @@ Scene loadScene(const std::string& path, const LoadParams& params) {
     }
     gltf::noteIgnoredParts(file);
     gltf::listFeatures(file, scene);
-    std::vector<std::string> sky_warnings;
-    scene.environment = loadEnvironment(environment, file.read, sky_warnings);
-    for (const std::string& warning : sky_warnings) {
-        file.notes.add(warning);
-    }
-    if (const auto sun = takeOutSun(scene.environment)) {
-        scene.lights.push_back(*sun);
-        scene.light_names.push_back("sun");
-        file.notes.add(fmt::format(
-            "{}: its sun, {:.3g} lux, is taken out of the image and shines as a directional light",
-            environment.source, luminance(sun->intensity)));
-    }
+    gltf::addEnvironment(file, environment, scene);
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");
     }
@@ -115,19 +141,7 @@ Scene loadScene(const std::string& path, const LoadParams& params) {
         }
     }
     if (!scene.triangles.empty() && environment.source != "none" && isDark(scene)) {
-        scene.lights.push_back(keyLight(scene.cameras.front()));
-        scene.light_names.push_back("default");
-        if (!environment.no_sky) {
-            scene.environment = studioSky(scene.cameras.front());
-            scene.environment.visible = !environment.transparent;
-        }
-        file.notes.add(
-            environment.no_sky
-                ? "the scene has no light and nothing that emits: lit by a key light from above, "
-                  "to the left of its first view; --gather ray lights it by a studio's sky as well"
-                : "the scene has no light and nothing that emits: lit by a studio's grey sky and a "
-                  "key light from above, to the left of its first view; --environment lights it by "
-                  "another sky or, by none, not at all");
+        gltf::addStudio(file, environment, scene);
     }
     if (params.view.given()) {
         scene.cameras.insert(scene.cameras.begin(), seenFrom(scene, params));

@@ -72,7 +72,7 @@ glm::dmat4 localTransform(File& file, const tinygltf::Node& node, const std::str
 std::vector<int> rootNodes(File& file) {
     const tinygltf::Model& model = file.model;
     if (!model.scenes.empty()) {
-        const int index = model.defaultScene >= 0 ? model.defaultScene : 0;
+        const int index = shownScene(file);
         if (model.scenes.size() > 1) {
             file.notes.add(
                 fmt::format("the file has {} scenes: scene {} shown", model.scenes.size(), index));
@@ -217,6 +217,10 @@ void appendNode(File& file, const PlacedNode& placed, const std::vector<glm::dma
 }
 
 }  // namespace
+
+int shownScene(const File& file) {
+    return file.model.scenes.empty() ? -1 : std::max(file.model.defaultScene, 0);
+}
 
 std::string firstName(const std::string& own, const std::string& node, const char* kind,
                       size_t index) {

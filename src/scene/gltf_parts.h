@@ -7,6 +7,7 @@
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -159,6 +160,10 @@ struct TextureInfo {
 };
 TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const std::string& where);
 
+/// An image of the file; none, with a note that says what is `shown` without it, where it cannot be
+/// read.
+std::optional<TextureImage> loadImage(File& file, int index, const char* shown);
+
 /// Loads a file's textures as materials ask for them, each image once. Whatever is broken about one
 /// is noted, and it is left out: it never keeps the file from loading.
 class TextureLoader {
@@ -173,8 +178,6 @@ class TextureLoader {
   private:
     TextureUse usable(const TextureInfo& info, bool srgb, const std::string& owner);
     int load(int index, bool srgb, const std::string& owner);
-    int loadImage(int index, bool srgb);
-
     File& file_;
     Scene& scene_;
     std::map<int, int> images_;  // of the scene, by the file's; -1: it cannot be read
@@ -214,6 +217,13 @@ void placeParallelCameras(File& file, Scene& scene);
 /// Appends a node's light; `where`: the node, for errors.
 void appendLight(File& file, const tinygltf::Node& node, const glm::dmat4& world_from_node,
                  const std::string& where, Scene& scene);
+
+/// The sky that the file's scene has, by latitude and longitude; empty where it has none, or one
+/// that is left out, with a note.
+Environment loadSky(File& file);
+
+/// Index of the scene that is shown; -1: the file has no scenes.
+int shownScene(const File& file);
 
 /// Input error where all light together is more, or less, than floats can follow: the image would
 /// be black, white or not finite.

@@ -143,6 +143,27 @@ void readTransform(const File& file, const tinygltf::Value& extension, const std
 
 }  // namespace
 
+std::optional<TextureImage> loadImage(File& file, int index, const char* shown) {
+    const EncodedImage& source = file.images[static_cast<size_t>(index)];
+    const std::string where = label("image", static_cast<size_t>(index), source.name);
+    if (!source.content.missing.empty()) {
+        file.notes.add(
+            fmt::format("{}: {} shown without it: {}", where, shown, source.content.missing));
+        return std::nullopt;
+    }
+    const std::span<const uint8_t> encoded = encodedBytes(file, source, where);
+    try {
+        checkImage(file, readImageHeader(encoded), encoded.size(), where);
+        return storedImage(decodeImage(encoded));
+    } catch (const DecodeError& error) {
+        file.notes.add(
+            fmt::format("{}: it cannot be decoded: {}: {} shown without it; use "
+                        "an intact PNG or JPEG",
+                        where, oneLine(error.what()), shown));
+        return std::nullopt;
+    }
+}
+
 TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const std::string& where) {
     TextureInfo info;
     info.index = integerMember(file, object, "index", -1, where);
@@ -155,33 +176,6 @@ TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const s
 
 TextureLoader::TextureLoader(File& file, Scene& scene)
     : file_(file), scene_(scene), largest_side_(largestSide(file)) {}
-
-// Index into Scene::images; -1, with a note, where it cannot be read.
-int TextureLoader::loadImage(int index, bool srgb) {
-    const EncodedImage& source = file_.images[static_cast<size_t>(index)];
-    const std::string where = label("image", static_cast<size_t>(index), source.name);
-    if (!source.content.missing.empty()) {
-        file_.notes.add(
-            fmt::format("{}: materials shown without it: {}", where, source.content.missing));
-        return -1;
-    }
-    const std::span<const uint8_t> encoded = encodedBytes(file_, source, where);
-    try {
-        checkImage(file_, readImageHeader(encoded), encoded.size(), where);
-        TextureImage image = storedImage(decodeImage(encoded));
-        while (std::max(image.width, image.height) > largest_side_) {
-            image = halved(image, srgb);
-        }
-        scene_.images.push_back(std::move(image));
-    } catch (const DecodeError& error) {
-        file_.notes.add(
-            fmt::format("{}: it cannot be decoded: {}: materials shown without it; use "
-                        "an intact PNG or JPEG",
-                        where, oneLine(error.what())));
-        return -1;
-    }
-    return static_cast<int>(scene_.images.size()) - 1;
-}
 
 int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     const tinygltf::Texture& source = file_.at(file_.model.textures, index, owner, "texture");
@@ -197,7 +191,13 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     file_.at(file_.images, source.source, where, "image");
     const auto [image, is_new] = images_.try_emplace(source.source, -1);
     if (is_new) {
-        image->second = loadImage(source.source, srgb);
+        if (auto loaded = loadImage(file_, source.source, "materials")) {
+            while (std::max(loaded->width, loaded->height) > largest_side_) {
+                loaded = halved(*loaded, srgb);
+            }
+            scene_.images.push_back(std::move(*loaded));
+            image->second = static_cast<int>(scene_.images.size()) - 1;
+        }
     }
     bool smaller = true;  // unless the sampler asks for the image alone, at any distance
     Texture texture{.image = image->second, .srgb = srgb};

@@ -17,7 +17,7 @@ constexpr float kTable[] = {
 static_assert(sizeof(kTable) == sizeof(float) * kStride * kBrdfShMu * kBrdfShRoughness);
 
 // Typical amplitude of indirect light's coefficients in band l, relative to what constant light has
-// in band 0: measured on records of the project's scenes (docs/decisions.md).
+// in band 0: measured on records of the project's scenes (docs/decisions/gather.md).
 float lightAmplitude(int l) { return 1.0f / static_cast<float>(l + 1); }
 
 }  // namespace

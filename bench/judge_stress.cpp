@@ -1,79 +1,22 @@
-// stress [--seeds A..B] [--size N] [--spp N] [--most N] [--keep DIR]: renders random scenes
-// (stress_scenes.h) by the cache and by the reference, and flags what is off by more than the
-// bounds of stress_flags.h; and whether the error lies in the interval that the render prints. A
-// line a scene; docs/stability.md says what it found.
+// Random scenes by the cache and by the reference.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 
-#include "core/error.h"
 #include "image/png.h"
+#include "judge.h"
 #include "metrics/compare.h"
 #include "reference/reference.h"
 #include "render/render.h"
 #include "stress_flags.h"
 #include "stress_scenes.h"
 
+namespace sheen::bench {
 namespace {
-
-using namespace sheen;
 
 // Of a flagged scene: how many more paths its next reference has.
 constexpr int kNextOpinion = 4;
-
-struct Options {
-    uint32_t first = 0, last = 199;
-    int size = 48;
-    int spp = 256;
-    int most = 1024;   // paths a pixel, where fewer leave the error unknown
-    std::string keep;  // folder for images of flagged seeds
-    bool keep_all = false;
-};
-
-uint32_t number(std::string_view text) {
-    uint32_t value = 0;
-    const char* end = text.data() + text.size();
-    if (std::from_chars(text.data(), end, value).ptr != end || text.empty()) {
-        throwUsage("{}: not a number", text);
-    }
-    return value;
-}
-
-Options parse(int argc, char** argv) {
-    Options options;
-    for (int i = 1; i < argc; ++i) {
-        const std::string_view name = argv[i];
-        if (name == "--keep-all") {
-            options.keep_all = true;
-            continue;
-        }
-        if (i + 1 == argc) {
-            throwUsage(
-                "usage: stress [--seeds A..B] [--size N] [--spp N] [--most N] [--keep DIR] "
-                "[--keep-all]");
-        }
-        const std::string_view value = argv[++i];
-        if (name == "--seeds") {
-            const size_t dots = value.find("..");
-            options.first = number(value.substr(0, dots));
-            options.last = dots == value.npos ? options.first : number(value.substr(dots + 2));
-        } else if (name == "--size") {
-            options.size = static_cast<int>(number(value));
-        } else if (name == "--spp") {
-            options.spp = static_cast<int>(number(value));
-        } else if (name == "--most") {
-            options.most = static_cast<int>(number(value));
-        } else if (name == "--keep") {
-            options.keep = value;
-        } else {
-            throwUsage("{}: no such option", name);
-        }
-    }
-    return options;
-}
 
 void paste(Image<Rgb8>& sheet, const Image<Rgb8>& tile, int column, int row, int zoom) {
     for (int y = 0; y < zoom * tile.height; ++y) {
@@ -142,7 +85,7 @@ struct Found {
     double outside = 1;
 };
 
-Found stress(uint32_t seed, const Options& options) {
+Found stressOne(uint32_t seed, const StressOptions& options) {
     const StressScene made = stressScene(seed);
     const Scene& scene = made.scene;
     RenderParams params;
@@ -193,7 +136,9 @@ Found stress(uint32_t seed, const Options& options) {
     return found;
 }
 
-int run(const Options& options) {
+}  // namespace
+
+bool stress(const StressOptions& options) {
     if (!options.keep.empty()) {
         std::filesystem::create_directories(options.keep);
     }
@@ -201,7 +146,7 @@ int run(const Options& options) {
     double farthest = 1.0;
     for (uint32_t seed = options.first; seed <= options.last; ++seed) {
         try {
-            const Found found = stress(seed, options);
+            const Found found = stressOne(seed, options);
             flagged += found.flagged ? 1 : 0;
             patches += found.patches ? 1 : 0;
             if (!std::isnan(found.outside)) {
@@ -219,16 +164,7 @@ int run(const Options& options) {
         "the "
         "interval of their estimate, the others by up to {:.2f} times outside\n",
         options.last - options.first + 1, flagged, patches, failed, known, within, farthest);
-    return flagged + failed > 0 ? 1 : 0;
+    return flagged + failed == 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    try {
-        return run(parse(argc, argv));
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "stress: {}\n", error.what());
-        return 2;
-    }
-}
+}  // namespace sheen::bench

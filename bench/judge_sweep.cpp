@@ -1,7 +1,4 @@
-// sweep SCENE REFERENCE.exr [KEY=VALUE ...]: renders a scene with some of the parameters changed
-// that the program has no option for, and prints one line: cost, and error of the indirect layer.
-// KEY=@N searches the value, above 0, that takes N records within 3%: error controls are compared
-// at equal numbers. What docs/decisions.md reports is measured with it.
+// One render with parameters that are no options of the program.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -15,12 +12,12 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "image/exr.h"
+#include "judge.h"
 #include "metrics/compare.h"
 #include "render/render.h"
 
+namespace sheen::bench {
 namespace {
-
-using namespace sheen;
 
 using Setter = std::function<void(RenderParams&, float)>;
 const std::map<std::string, Setter> kSetters = {
@@ -120,9 +117,12 @@ double cpuSeconds() {
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-void sweep(const std::vector<std::string>& arguments) {
-    const Scene scene = loadScene(arguments[0]);
-    const LoadedExr reference = readExr(arguments[1]);
+}  // namespace
+
+void sweep(const std::string& scene_file, const std::string& reference_file,
+           const std::vector<std::string>& settings) {
+    const Scene scene = loadScene(scene_file);
+    const LoadedExr reference = readExr(reference_file);
     const Image<vec3>& truth = colorLayer(reference, "indirect");
     RenderParams params;
     params.width = truth.width;
@@ -130,8 +130,8 @@ void sweep(const std::vector<std::string>& arguments) {
     params.quiet = true;
     params.bounces = 1;
     std::optional<Setting> searched;
-    for (size_t i = 2; i < arguments.size(); ++i) {
-        const Setting setting = parseSetting(arguments[i]);
+    for (const std::string& argument : settings) {
+        const Setting setting = parseSetting(argument);
         if (setting.records > 0) {
             searched = setting;
         } else {
@@ -163,17 +163,4 @@ void sweep(const std::vector<std::string>& arguments) {
         100 * result.stats.estimate_high);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    try {
-        if (argc < 3) {
-            throwUsage("usage: sweep SCENE REFERENCE.exr [KEY=VALUE ...]");
-        }
-        sweep({argv + 1, argv + argc});
-        return 0;
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "sweep: {}\n", error.what());
-        return 2;
-    }
-}
+}  // namespace sheen::bench
