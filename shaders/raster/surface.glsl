@@ -61,16 +61,15 @@ vec4 texelAt(int index) {
 }
 
 // `m.textures[use]` is never copied: it would cost more than the look-up.
-vec4 texelOf(uint material, int use, vec2 uv, float level) {
+vec4 texelOfLevel(uint material, int use, vec2 uv, int steps) {
     int first = materials[material].textures[use].first;
     ivec2 size = materials[material].textures[use].size;
     ivec2 wrap = materials[material].textures[use].wrap;
-    int steps = int(clamp(level + 0.5, 0.0, float(materials[material].textures[use].levels - 1)));
     for (int i = 0; i < steps; ++i) {
         first += size.x * size.y;
         size = max(size / 2, ivec2(1));
     }
-    if (materials[material].textures[use].nearest != 0) {
+    if (materials[material].textures[use].nearest != 0 && steps == 0) {
         ivec2 at = nearestTaps(uv, size, wrap).lower;
         return texelAt(first + at.y * size.x + at.x);
     }
@@ -80,6 +79,15 @@ vec4 texelOf(uint material, int use, vec2 uv, float level) {
     vec4 upper = mix(texelAt(first + t.upper.y * size.x + t.lower.x),
                      texelAt(first + t.upper.y * size.x + t.upper.x), t.fraction.x);
     return mix(lower, upper, t.fraction.y);
+}
+
+// Linear between levels, as sampled() in scene/texture.h.
+vec4 texelOf(uint material, int use, vec2 uv, float level) {
+    float clamped = clamp(level, 0.0, float(materials[material].textures[use].levels - 1));
+    int finer = int(clamped);
+    vec4 fine = texelOfLevel(material, use, uv, finer);
+    float rest = clamped - float(finer);
+    return rest > 0.0 ? mix(fine, texelOfLevel(material, use, uv, finer + 1), rest) : fine;
 }
 
 // A triangle's corners as one of its material's textures takes them.
