@@ -6,7 +6,7 @@ blender, python3-numpy and python3-openimageio, and build/release/sheen.
 Blender runs this file again, with bpy, to render one scene. Its Principled BSDF is another model (the
 diffuse term, Smith and Fresnel terms differ), and its spots have softer edges. So both programs get
 copies without the gloss of dielectrics and with points for spots, and Blender plain terms: Lambertian,
-and GGX of one scattering for metals."""
+and GGX that scatters more than once for metals."""
 import argparse
 import json
 import math
@@ -56,7 +56,7 @@ def build_material(bpy, material, source):
     nodes.clear()
     if metallic_roughness.get("metallicFactor", 1) == 1:
         surface = nodes.new("ShaderNodeBsdfGlossy")
-        surface.distribution = "GGX"
+        surface.distribution = "MULTI_GGX"
         surface.inputs["Roughness"].default_value = metallic_roughness.get("roughnessFactor", 1)
     else:
         surface = nodes.new("ShaderNodeBsdfDiffuse")

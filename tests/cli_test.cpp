@@ -179,6 +179,8 @@ TEST_F(CliTest, unknownCamera) {
     expectError(std::string(kReference) + " --camera 7", ExitCode::kUsage, "front");
     expectError(std::string(kReference) + " --camera-at 1,2", ExitCode::kUsage, "must be X,Y,Z");
     expectError(std::string(kReference) + " --look-at 1,2,3,4", ExitCode::kUsage, "must be X,Y,Z");
+    expectError(std::string(kReference) + " --crop 1,2,3", ExitCode::kUsage, "must be X,Y,W,H");
+    expectError(std::string(kReference) + " --crop 0,0,17,1", ExitCode::kUsage, "must lie in");
     expectError(std::string(kReference) + " --fov 180", ExitCode::kUsage, "--fov");
     expectError(std::string(kReference) + " --variant red", ExitCode::kUsage, "has none");
 }

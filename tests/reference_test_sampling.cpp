@@ -184,6 +184,29 @@ TEST(Sampling, MixtureAgreesWithCosineSampling) {
     }
 }
 
+// Likewise with a coat whose normal is another.
+TEST(Sampling, ACoatedMixtureAgreesWithCosineSampling) {
+    constexpr uint32_t kSamples = 1u << 17;
+    const auto radiance = [](const vec3& w) { return w.x > 0.2f ? 1.0f : 0.1f * w.z; };
+    const vec3 n = glm::normalize(vec3(0.2f, 0.3f, 1.0f));
+    const vec3 wo = glm::normalize(vec3(-0.7f, 0.1f, 0.5f));
+    const Brdf brdf = shared::makeBrdf(glossyParams(vec3(0.8f), 0.5f, 0.6f), vec2(0.7f, 0.1f));
+    const Brdf coat_brdf = coatBrdf({.coat = 1.0f, .coat_roughness = 0.5f});
+    const Coat coat{.brdf = coat_brdf, .n = vec3(0, 0, 1), .albedo = 0.1f};
+    const BrdfSampler sampler(brdf, vec3(0.5f), n, wo, coat);
+    double mixed = 0.0, cosine = 0.0;
+    for (uint32_t i = 0; i < kSamples; ++i) {
+        const vec2 u = owenSobol(i, 99);
+        const DirectionSample s = sampleBrdf(sampler, brdf, n, wo, u);
+        mixed += s.weight.x * radiance(s.wi);
+        const vec3 wi = glm::normalize(sampler.world_from_local * sampleCosine(u));
+        cosine += shared::evalBrdf(brdf, n, wo, wi).x * M_PI * radiance(wi);
+        const vec3 coat_wi = sampleCosine(u);  // about the coat's own normal
+        cosine += evalCoat(coat, wo, coat_wi).x / coat_wi.z * M_PI * radiance(coat_wi);
+    }
+    EXPECT_NEAR(mixed / cosine, 1.0, 3e-3);
+}
+
 // ---- The guide ----------------------------------------------------------------------------------
 
 // Contributions of an 8 x 8 grid: all in one cell.

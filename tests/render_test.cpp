@@ -92,6 +92,43 @@ TEST(Furnace, GlossySurfacesReflectTheirWholeAlbedo) {
 
 // Lamps all around light directly, and once more by way of each other: by a sample for each ray of
 // a record, whose noise is several percent and leans to no side.
+TEST(Furnace, WhiteSurfacesReflectEverything) {
+    const float Le = 2.0f;
+    for (const float metallic : {0.0f, 1.0f}) {
+        for (const float roughness : {0.1f, 0.45f, 0.7f, 1.0f}) {
+            const Scene scene =
+                furnace(glossyParams(vec3(1.0f), metallic, roughness), vec3(Le), GatherRoad::kRays);
+            const RenderResult result = renderFrame(scene, smallRender(32, 32));
+            for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+                if (result.frame.primitive.pixels[i] != kNoPrimitive) {
+                    EXPECT_NEAR(result.frame.indirect.pixels[i].x, Le, kFurnaceError * Le)
+                        << "metallic " << metallic << " roughness " << roughness << " pixel " << i;
+                }
+            }
+        }
+    }
+}
+
+TEST(Furnace, CoatedSurfacesReflectEverythingToo) {
+    const float Le = 2.0f;
+    for (const float metallic : {0.0f, 1.0f}) {
+        Scene scene =
+            furnace(glossyParams(vec3(1.0f), metallic, 0.6f), vec3(Le), GatherRoad::kRays);
+        scene.materials[0].layers = {.coat = 1.0f, .coat_roughness = 0.1f};
+        for (const Method method : {Method::kRadiance, Method::kReference}) {
+            RenderParams params = smallRender(24, 24, method);
+            params.spp = 4096;
+            const RenderResult result = renderFrame(scene, params);
+            for (size_t i = 0; i < result.frame.indirect.pixels.size(); ++i) {
+                if (result.frame.primitive.pixels[i] != kNoPrimitive) {
+                    EXPECT_NEAR(result.frame.indirect.pixels[i].x, Le, 2.0f * kFurnaceError * Le)
+                        << "metallic " << metallic << " pixel " << i;
+                }
+            }
+        }
+    }
+}
+
 TEST(Furnace, LampsAllAroundLightDirectly) {
     constexpr double kDirect = 0.02, kIndirect = 0.08,
                      kMean = 0.02;  // of the light, the first two rms

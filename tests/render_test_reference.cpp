@@ -205,5 +205,28 @@ TEST(AgainstTheReference, ATargetThatNoRecordsReachEnds) {
     EXPECT_GT(result.stats.passes, 1);
 }
 
+// A coat over a rough floor mirrors the room, and the light itself.
+TEST(AgainstTheReference, ACoatedFloor) {
+    Scene scene = cornellRoom(glossyParams(vec3(0.6f, 0.2f, 0.1f), 0.0f, 0.8f),
+                              diffuseParams(vec3(0.3f, 0.4f, 0.7f)));
+    scene.materials[scene.materials_of[0]].layers = {};
+    for (Material& material : scene.materials) {
+        if (material.params.roughness == 0.8f) {
+            material.layers = {.coat = 1.0f, .coat_roughness = 0.15f};
+        }
+    }
+    const ReferenceResult truth = reference(scene);
+    const RenderResult result = renderFrame(scene, smallRender(kSize, kSize));
+    const Comparison indirect = compare(result.frame.indirect, result.frame, truth.frame.indirect,
+                                        truth.frame.indirect_variance, truth.frame);
+    EXPECT_TRUE(indirect.judged);
+    EXPECT_LT(indirect.rel_rmse, kGlossyRmse);
+    EXPECT_LT(std::abs(indirect.bias), kGlossyBias);
+    for (size_t i = 0; i < result.frame.direct.pixels.size(); ++i) {
+        const float expected = luminance(truth.frame.direct.pixels[i]);
+        EXPECT_NEAR(luminance(result.frame.direct.pixels[i]), expected, 1e-3f * expected + 1e-5f);
+    }
+}
+
 }  // namespace
 }  // namespace sheen

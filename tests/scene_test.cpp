@@ -214,7 +214,7 @@ TEST(SceneLoader, DecodesBaseColorTexturesToLinearLight) {
     ASSERT_EQ(scene.textures.size(), 1u);
     const Texture& texture = scene.textures[0];
     EXPECT_EQ(texture.wrap, glm::ivec2(shared::WRAP_CLAMP, shared::WRAP_MIRROR));
-    const std::vector<vec4> texels = linearTexels(scene, texture);
+    const std::vector<vec4> texels = linearTexels(scene.images[0], texture.srgb);
     EXPECT_VEC3(texels[0], 0, 0, 0);
     EXPECT_VEC3(texels[1], 1, 1, 1);
     EXPECT_NEAR(texels[2].x, 0.2158605f, kRounding);  // sRGB 128 / 255
@@ -429,11 +429,11 @@ TEST(SceneLoader, NamesWhatItLeavesOut) {
     file.json["cameras"] =
         Json::array({{{"type", "orthographic"},
                       {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 9}}}}});
-    file.json["extensionsUsed"] = {"KHR_materials_clearcoat"};
+    file.json["extensionsUsed"] = {"KHR_materials_iridescence"};
     const Scene scene = file.load();
     EXPECT_EQ(scene.triangleCount(), 1);
     for (const char* text :
-         {"TEXCOORD_2", "points and lines", "orthographic", "KHR_materials_clearcoat"}) {
+         {"TEXCOORD_2", "points and lines", "orthographic", "KHR_materials_iridescence"}) {
         EXPECT_TRUE(warnsOf(scene, text)) << text;
     }
 }

@@ -11,7 +11,7 @@ namespace {
 Json& materialOf(GltfFile& file) { return file.json["materials"][0]; }
 
 vec3 f0At(const Scene& scene) {
-    return shared::makeBrdf(materialAt(scene, 0, vec3(1, 0, 0)), vec2(0.0f)).f0;
+    return shared::makeBrdf(materialAt(scene, 0, vec3(1, 0, 0)), vec2(1.0f, 0.0f)).f0;
 }
 
 TEST(MaterialIor, IsTheReflectanceAtNormalIncidence) {
@@ -51,6 +51,48 @@ TEST(MaterialSpecularGlossiness, IsADielectricOfThatColour) {
     const Scene with_texture = file.load();
     EXPECT_NEAR(materialAt(with_texture, 0, vec3(1, 0, 0)).roughness, 0.25f, 0.5f / 255.0f);
     EXPECT_NEAR(f0At(with_texture).y, 0.6f, 1e-6f);
+}
+
+TEST(MaterialClearcoat, IsFactorsTimesTextures) {
+    GltfFile file = textured();
+    Json& extension = materialOf(file)["extensions"]["KHR_materials_clearcoat"];
+    extension = {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.8}};
+    extension["clearcoatTexture"]["index"] = addPicture(file, {1, 1, {{{51, 0, 0}}}});
+    extension["clearcoatRoughnessTexture"]["index"] = addPicture(file, {1, 1, {{{0, 102, 0}}}});
+    Scene scene = file.load();
+    const Layers at = layersAt(scene, 0, vec3(1, 0, 0));
+    EXPECT_NEAR(at.coat, 0.5f * 0.2f, 1e-6f);
+    EXPECT_NEAR(at.coat_roughness, 0.8f * 0.4f, 1e-6f);
+    materialOf(file)["extensions"]["KHR_materials_unlit"] = Json::object();
+    scene = file.load();
+    EXPECT_TRUE(layersAt(scene, 0, vec3(1, 0, 0)).none()) << "nothing lies on what is not lit";
+}
+
+TEST(MaterialSheen, IsSrgbColourAndRoughnessByAlpha) {
+    GltfFile file = textured();
+    Json& extension = materialOf(file)["extensions"]["KHR_materials_sheen"];
+    extension = {{"sheenColorFactor", {1, 0.5, 0}}, {"sheenRoughnessFactor", 0.6}};
+    const int picture = addPicture(file, {1, 1, {{{128, 255, 255}}}});
+    extension["sheenColorTexture"]["index"] = picture;
+    extension["sheenRoughnessTexture"]["index"] = picture;
+    const Layers at = layersAt(file.load(), 0, vec3(1, 0, 0));
+    EXPECT_NEAR(at.fibre_color.x, 0.2158605f, 1e-6f);
+    EXPECT_NEAR(at.fibre_color.y, 0.5f, 1e-6f);
+    EXPECT_EQ(at.fibre_color.z, 0.0f);
+    EXPECT_NEAR(at.fibre_roughness, 0.6f, 1e-6f);
+    extension["sheenColorFactor"] = {1, 1};
+    EXPECT_THROW(file.load(), Error);
+}
+
+TEST(MaterialAnisotropy, WidensTheRoundLobe) {
+    GltfFile file = textured();
+    materialOf(file)["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
+    const auto roughness = [&](double strength) {
+        materialOf(file)["extensions"]["KHR_materials_anisotropy"]["anisotropyStrength"] = strength;
+        return file.load().materials[0].params.roughness;
+    };
+    EXPECT_NEAR(roughness(0.0), 0.5f, 1e-6f);
+    EXPECT_NEAR(roughness(1.0), std::sqrt(0.5f), 1e-6f) << "alpha 1/4 and 1, on average 1/2";
 }
 
 // Glass of ior 1.5 reflects 4%, which is what it covers, as a mirror; half of it scatters the rest.

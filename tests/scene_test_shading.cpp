@@ -7,6 +7,7 @@
 #include <random>
 
 #include "scene/brdf_albedo.h"
+#include "scene/layers.h"
 #include "scene/scene.h"
 #include "test_scenes.h"
 
@@ -116,6 +117,92 @@ TEST(Brdf, WhiteFurnaceNeverGainsEnergy) {
             EXPECT_GE(ab.y, 0.0f);
         }
     }
+}
+
+// Light that microfacets scatter more than once is not lost, whatever the view and the roughness.
+TEST(Brdf, WhiteSurfacesReflectAllOfTheLight) {
+    constexpr double kError = 0.01;
+    MaterialParams params{.base_color = vec3(1.0f),
+                          .metallic = 1.0f,
+                          .specular_color = vec3(1.0f),
+                          .specular = 1.0f,
+                          .emission = vec3(0.0f),
+                          .roughness = 0.0f};
+    for (const float roughness : {0.03f, 0.2f, 0.5f, 0.8f, 1.0f}) {
+        params.roughness = roughness;
+        for (const float mu : {0.05f, 0.2f, 0.6f, 1.0f}) {
+            const glm::dvec2 once = albedoByQuadrature(mu, shared::alphaFromRoughness(roughness));
+            for (const float metallic : {0.0f, 1.0f}) {
+                params.metallic = metallic;
+                const Brdf brdf = shared::makeBrdf(params, brdfAlbedo(mu, roughness));
+                EXPECT_NEAR(brdf.diffuse.x + brdf.f0.x * once.x + brdf.f90 * once.y, 1.0, kError)
+                    << "NoV " << mu << " roughness " << roughness << " metallic " << metallic;
+            }
+        }
+    }
+}
+
+// Layers take from the surface what they reflect: white ones on white lose and gain nothing.
+TEST(Layers, WhiteOnWhiteReflectsAllOfTheLight) {
+    const MaterialParams white{.base_color = vec3(1.0f),
+                               .metallic = 0.0f,
+                               .specular_color = vec3(1.0f),
+                               .specular = 1.0f,
+                               .emission = vec3(0.0f),
+                               .roughness = 0.7f};
+    for (const float NoV : {0.05f, 0.4f, 1.0f}) {
+        const vec2 ab = brdfAlbedo(NoV, white.roughness);
+        const Brdf below = shared::makeBrdf(white, ab);
+        for (const Layers& layers :
+             {Layers{.coat = 1.0f, .coat_roughness = 0.2f},
+              Layers{.coat = 0.5f, .coat_roughness = 0.9f},
+              Layers{.fibre_color = vec3(1.0f), .fibre_roughness = 0.4f},
+              Layers{.coat = 1.0f, .fibre_color = vec3(1.0f), .fibre_roughness = 1.0f}}) {
+            const Brdf brdf = underLayers(below, layers, NoV, NoV);
+            const Brdf coat = coatBrdf(layers);
+            const vec2 of_coat = brdfAlbedo(NoV, layers.coat_roughness);
+            EXPECT_NEAR(brdf.diffuse.x + brdf.f0.x * ab.x + brdf.f90 * ab.y +
+                            coat.f0.x * of_coat.x + coat.f90 * of_coat.y,
+                        1.0f, 1e-5f)
+                << "NoV " << NoV;
+        }
+    }
+}
+
+// By the trapezium rule over half vectors' cosines at NoV = 1, where h lies halfway to wi.
+TEST(Layers, FibresReflectWhatTheirDistributionSays) {
+    for (const float roughness : {0.25f, 0.5f, 1.0f}) {
+        constexpr int kSteps = 20000;
+        const double power = 1.0 / (double{roughness} * roughness);
+        double sum = 0.0;
+        for (int i = 0; i < kSteps; ++i) {
+            const double theta = 0.5 * std::numbers::pi * (i + 0.5) / kSteps;
+            const double distribution =
+                (2.0 + power) * std::pow(std::sin(0.5 * theta), power) / (2.0 * std::numbers::pi);
+            sum += distribution / 4.0 * std::cos(theta) * std::sin(theta);  // V = 1/4 at NoV = 1
+        }
+        const double expected = 2.0 * std::numbers::pi * sum * 0.5 * std::numbers::pi / kSteps;
+        EXPECT_NEAR(fibreAlbedo(1.0f, roughness), expected, 0.02 * expected + 1e-4) << roughness;
+    }
+    EXPECT_GT(fibreAlbedo(0.05f, 0.5f), 3.0f * fibreAlbedo(1.0f, 0.5f)) << "they shine at the rim";
+}
+
+// What meets a coloured surface again is coloured again.
+TEST(Brdf, RoughGoldIsNoPalerThanSmoothGoldAndReflectsLess) {
+    const vec3 gold(1.0f, 0.7f, 0.2f);
+    const MaterialParams params{.base_color = gold,
+                                .metallic = 1.0f,
+                                .specular_color = vec3(1.0f),
+                                .specular = 1.0f,
+                                .emission = vec3(0.0f),
+                                .roughness = 1.0f};
+    const vec2 ab = brdfAlbedo(0.7f, params.roughness);
+    const Brdf brdf = shared::makeBrdf(params, ab);
+    const vec3 albedo = brdf.f0 * ab.x + vec3(brdf.f90 * ab.y);
+    EXPECT_LE(albedo.x, 1.0f);
+    EXPECT_LT(albedo.y, gold.y);
+    EXPECT_LT(albedo.z, gold.z);
+    EXPECT_GT(albedo.z, 0.4f * gold.z) << "what is scattered once, at the least";
 }
 
 TEST(Brdf, SmoothMirrorReflectsAllByFresnel) {

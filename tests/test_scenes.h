@@ -47,6 +47,7 @@ inline int addTexture(Scene& scene, int width, int height, const std::vector<vec
             image.words.push_back(static_cast<uint16_t>(std::lround(65535.0f * value)));
         }
     }
+    makeSmaller(image, false);
     scene.images.push_back(image);
     Texture texture;
     texture.image = static_cast<int>(scene.images.size()) - 1;

@@ -15,6 +15,10 @@ void main() {
     }
     View view = views[0];
     vec2 uv = gl_FragCoord.xy / image_size * 2.0 - 1.0;
-    Surface s = surfaceAt(id - 1u, view.origin, normalize(viewDirection(view, uv)), 0.0);
+    vec3 toward = viewDirection(view, uv);
+    // A pixel's area on the plane at distance 1 over the distance cubed.
+    float solid_angle = 4.0 * length(view.right) * length(view.up) /
+                        (image_size.x * image_size.y * pow(dot(toward, toward), 1.5));
+    Surface s = surfaceAt(id - 1u, view.origin, normalize(toward), solid_angle);
     out_direct = vec4(directRadiance(s, normalize(view.origin - s.p), 0.0), 0.0);
 }

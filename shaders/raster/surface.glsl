@@ -61,16 +61,15 @@ vec4 texelAt(int index) {
 }
 
 // `m.textures[use]` is never copied: it would cost more than the look-up.
-vec4 texelOf(uint material, int use, vec2 uv, float level) {
+vec4 texelOfLevel(uint material, int use, vec2 uv, int steps) {
     int first = materials[material].textures[use].first;
     ivec2 size = materials[material].textures[use].size;
     ivec2 wrap = materials[material].textures[use].wrap;
-    int steps = int(clamp(level + 0.5, 0.0, float(materials[material].textures[use].levels - 1)));
     for (int i = 0; i < steps; ++i) {
         first += size.x * size.y;
         size = max(size / 2, ivec2(1));
     }
-    if (materials[material].textures[use].nearest != 0) {
+    if (materials[material].textures[use].nearest != 0 && steps == 0) {
         ivec2 at = nearestTaps(uv, size, wrap).lower;
         return texelAt(first + at.y * size.x + at.x);
     }
@@ -80,6 +79,15 @@ vec4 texelOf(uint material, int use, vec2 uv, float level) {
     vec4 upper = mix(texelAt(first + t.upper.y * size.x + t.lower.x),
                      texelAt(first + t.upper.y * size.x + t.upper.x), t.fraction.x);
     return mix(lower, upper, t.fraction.y);
+}
+
+// Linear between levels, as sampled() in scene/texture.h.
+vec4 texelOf(uint material, int use, vec2 uv, float level) {
+    float clamped = clamp(level, 0.0, float(materials[material].textures[use].levels - 1));
+    int finer = int(clamped);
+    vec4 fine = texelOfLevel(material, use, uv, finer);
+    float rest = clamped - float(finer);
+    return rest > 0.0 ? mix(fine, texelOfLevel(material, use, uv, finer + 1), rest) : fine;
 }
 
 // A triangle's corners as one of its material's textures takes them.
@@ -110,12 +118,8 @@ vec4 textureAt(uint triangle, uint material, int use, vec3 b, float footprint_ov
     CornerUvs c = cornerUvs(triangle, material, use);
     float level = 0.0;
     if (footprint_over_area2 > 0.0) {
-        vec2 d1 = c.uv1 - c.uv0;
-        vec2 d2 = c.uv2 - c.uv0;
-        ivec2 size = materials[material].textures[use].size;
-        float texels_seen =
-            footprint_over_area2 * abs(d1.x * d2.y - d1.y * d2.x) * float(size.x * size.y);
-        level = 0.5 * log2(max(texels_seen, 1.0));
+        level = textureLevel(footprint_over_area2, c.uv1 - c.uv0, c.uv2 - c.uv0,
+                             materials[material].textures[use].size);
     }
     return texelOf(material, use, b.x * c.uv0 + b.y * c.uv1 + b.z * c.uv2, level);
 }
@@ -166,8 +170,8 @@ Surface surfaceAt(uint triangle, vec3 origin, vec3 direction, float texel_solid_
     vec3 n = interpolatedNormal(b0 * t.n0 + b1 * t.n1 + b2 * t.n2, surface.n_g);
     surface.n = shadingNormal(n, surface.n_g, wo);
     surface.lod_error = t.lod_error;
-    float footprint = texel_solid_angle * surface.distance * surface.distance /
-                      max(abs(dot(surface.n_g, wo)), 0.05);
+    float footprint =
+        footprintArea(texel_solid_angle, surface.distance, dot(surface.n_g, wo));
     vec3 b = vec3(b0, b1, b2);
     surface.material = materialAt(triangle, t.material, b, footprint / area2);
 #if defined(TEXTURED) && defined(CORNERS)

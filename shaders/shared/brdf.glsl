@@ -3,8 +3,8 @@
 // GGX distribution, Smith height-correlated masking-shadowing, Schlick Fresnel,
 // alpha = roughness^2. E_spec, the specular lobe's directional albedo, comes from a table over
 // (NoV, roughness) split by Schlick's Fresnel into F0 * A + F90 * B. Light scattered more than once
-// between microfacets is not compensated.
-// Based on: [WMLT07], [Hei14], [Sch94], the glTF 2.0 specification's appendix B.
+// between microfacets is counted by making the lobe as much stronger (microfacetGain()).
+// Based on: [WMLT07], [Hei14], [Sch94], [Tur19], the glTF 2.0 specification's appendix B.
 #ifndef SHARED_BRDF_GLSL
 #define SHARED_BRDF_GLSL
 
@@ -26,7 +26,7 @@ const int ALBEDO_TABLE_ROUGHNESS = 32;
 struct Brdf {
     vec3 diffuse;  // diffuse reflectance toward the viewer, 1/pi not included
     float alpha;   // GGX width
-    vec3 f0;       // specular reflectance at normal incidence
+    vec3 f0;       // specular reflectance at normal incidence, times what scatters again
     float f90;     // and at grazing incidence
 };
 
@@ -72,12 +72,24 @@ FN float filteredAlpha(float alpha, float solid_angle, float distance, float lig
     return max(alpha, min(FILTER_WIDTH * sqrt(solid_angle / PI) * bend, 1.0f));
 }
 
-// `albedo_ab` is the albedo table at (NoV, roughness). [glTF, KHR_materials_specular]
+// What light scattered more than once between microfacets adds to a lobe, as a factor of it: a lobe
+// that loses none reflects E = A + B of constant light once, and each time that the rest of it meets
+// the surface again it is coloured by f0. Where f0 is 1 all of the light leaves. [Tur19]
+FN vec3 microfacetGain(IN(vec3) f0, IN(vec2) albedo_ab) {
+    float once = max(albedo_ab.x + albedo_ab.y, MIN_COSINE);
+    return vec3(1.0f) + f0 * max(1.0f / once - 1.0f, 0.0f);
+}
+
+// `albedo_ab` is the albedo table at (NoV, roughness). f90 is one number for all channels, and so is
+// its gain, by the mean f0. [glTF, KHR_materials_specular]
 FN Brdf makeBrdf(IN(MaterialParams) m, IN(vec2) albedo_ab) {
     Brdf b;
     vec3 dielectric_f0 = min(0.04f * m.specular_color, vec3(1.0f)) * m.specular;
     b.f0 = mix(dielectric_f0, m.base_color, m.metallic);
     b.f90 = mix(m.specular, 1.0f, m.metallic);
+    vec3 gain = microfacetGain(b.f0, albedo_ab);
+    b.f0 *= gain;
+    b.f90 *= (gain.x + gain.y + gain.z) / 3.0f;
     b.alpha = alphaFromRoughness(m.roughness);
     vec3 e_spec = b.f0 * albedo_ab.x + vec3(b.f90 * albedo_ab.y);
     b.diffuse = (1.0f - m.metallic) * m.base_color * (vec3(1.0f) - e_spec);

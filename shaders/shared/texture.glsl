@@ -52,6 +52,23 @@ FN TextureTaps nearestTaps(IN(vec2) uv, IN(ivec2) size, IN(ivec2) wrap) {
     return taps;
 }
 
+// The area of a surface that a cone of `solid_angle` meets after `distance`, where it makes this
+// cosine with the normal. Below the least cosine it grows no more: the far end is another surface.
+FN float footprintArea(float solid_angle, float distance, float cosine) {
+    const float least_cosine = 0.05f;
+    return solid_angle * distance * distance / max(abs(cosine), least_cosine);
+}
+
+// Which of an image's levels, each half the size of the one before, has texels as large as a
+// footprint, which is this share of twice the area of a triangle with edges d1 and d2 in texture
+// coordinates: 0 is the image itself. By area alone, so that what is seen at an angle is sharper
+// along it, and blurred across, than its footprint is long and wide. [AMNSA19]
+FN float textureLevel(float footprint_over_area2, IN(vec2) d1, IN(vec2) d2, IN(ivec2) size) {
+    float texels =
+        footprint_over_area2 * abs(d1.x * d2.y - d1.y * d2.x) * float(size.x) * float(size.y);
+    return texels > 1.0f ? 0.5f * log2(texels) : 0.0f;
+}
+
 // Texture coordinates as one of a material's textures takes them. [KHR_texture_transform]
 struct TextureTransform {
     vec2 row_u;

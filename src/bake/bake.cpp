@@ -142,6 +142,7 @@ void bakeByPaths(const Tracer& tracer, const Lightmap& map, const BakeParams& pa
                        .n = receivers.normals[i],
                        .wo = side.toward_viewer,
                        .brdf = whiteAt(receivers, i).brdf,
+                       .coat = std::nullopt,
                        .roughness = 1.0f,
                        .offset = 2.0f * side.offset};
     };

@@ -94,7 +94,8 @@ void limitRadius(float least, float greatest, WardRecord& record) {
 
 float footprintAt(const Pass& pass, int pixel) {
     const float pixel_angle =
-        2.0f * std::tan(0.5f * pass.params.camera.y_fov) / static_cast<float>(pass.params.height);
+        2.0f * std::tan(0.5f * pass.params.camera.y_fov) /
+        static_cast<float>(pass.params.camera.wholeSize({pass.params.width, pass.params.height}).y);
     return pass.frame.depth.pixels[static_cast<size_t>(pixel)] * pixel_angle;
 }
 

@@ -1,6 +1,7 @@
 #include "cli/options.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -77,6 +78,24 @@ std::optional<float> parseExposure(const std::string& text) {
         throwUsage("--exposure {}: must be auto or stops in {}..{}", text, -kMaxStops, kMaxStops);
     }
     return stops;
+}
+
+Crop parseCrop(const std::string& text) {
+    constexpr int kMost = 1000000;
+    std::array<int, 4> numbers{};
+    std::string_view rest = text;
+    for (int c = 0; c < 4; ++c) {
+        const size_t comma = c < 3 ? rest.find(',') : rest.size();
+        const std::optional<int> number = comma == std::string_view::npos
+                                              ? std::nullopt
+                                              : parseNumber<int>(rest.substr(0, comma));
+        if (!number || *number < 0 || *number >= kMost) {
+            throwUsage("--crop {}: must be X,Y,W,H in pixels, as in 100,50,64,64", text);
+        }
+        numbers[static_cast<size_t>(c)] = *number;
+        rest = rest.substr(std::min(comma + 1, rest.size()));
+    }
+    return {.first = {numbers[0], numbers[1]}, .size = {numbers[2], numbers[3]}};
 }
 
 dvec3 parsePoint(const char* option, const std::string& text) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/math.h"
+#include "render/crop.h"
 #include "scene/environment.h"
 
 namespace sheen::cli {
@@ -21,6 +22,9 @@ ivec2 parseSize(const std::string& text);
 
 /// "auto" (none) or a number of stops in [-50, 50]. Usage error otherwise.
 std::optional<float> parseExposure(const std::string& text);
+
+/// "X,Y,W,H", whole numbers from 0 on, below 1e6. Usage error otherwise.
+Crop parseCrop(const std::string& text);
 
 /// "X,Y,Z", numbers. Usage error otherwise, which names the option.
 dvec3 parsePoint(const char* option, const std::string& text);

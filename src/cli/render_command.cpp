@@ -23,6 +23,11 @@ void writeFrame(const RenderOptions& o, FileKind kind, const Frame& frame) {
     }
 }
 
+RenderResult renderWanted(const Scene& scene, const RenderOptions& o) {
+    Session session(scene);
+    return o.part ? renderPart(session, o.params, *o.part) : session.render(o.params);
+}
+
 ExitCode runRender(RenderOptions& o) {
     const Timer total;
     const FileKind kind = understand(o);
@@ -42,7 +47,7 @@ ExitCode runRender(RenderOptions& o) {
         constexpr double kLeast = 1e-3;
         o.params.time_limit = std::max(limit - total.seconds() - kWriteShare * limit, kLeast);
     }
-    RenderResult result = renderFrame(scene, o.params);
+    RenderResult result = renderWanted(scene, o);
     const Timer write;
     writeFrame(o, kind, result.frame);
     result.stats.seconds.write = write.seconds();

@@ -51,6 +51,11 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
         ->check(fileName());
     app.add_option("--size", o.size, "Width x height in pixels, each 1..16384")
         ->capture_default_str();
+    app.add_option("--crop", o.crop,
+                   "Only a part of the image: its first column and row, from 0 on, its width and "
+                   "its height in pixels")
+        ->type_name("X,Y,W,H")
+        ->check(fileName());
     app.add_option("--camera", o.params.camera, "Name or number of a camera; default: the first");
     app.add_option("--camera-at", o.camera_at,
                    "Where to see the scene from, in the file's coordinates")
@@ -308,6 +313,9 @@ FileKind understand(RenderOptions& o) {
     const ivec2 size = parseSize(o.size);
     o.params.width = size.x;
     o.params.height = size.y;
+    if (!o.crop.empty()) {
+        o.part = parseCrop(o.crop);
+    }
     o.params.method = kMethods.at(o.method);
     o.params.gather_road = kGathers.at(o.gather).road;
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;

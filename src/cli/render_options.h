@@ -32,6 +32,8 @@ struct RenderOptions {
     std::string json;
     int threads = 0;
     LoadParams load;
+    std::string crop;          ///< empty: all of the image
+    std::optional<Crop> part;  ///< what it says
     std::string camera_at;
     std::string look_at;
     double fov = 0.0;  ///< degrees; 0: the camera's

@@ -43,13 +43,21 @@ std::string orderSummary(const std::vector<MaterialOrder>& orders) {
     return text;
 }
 
+ivec2 writtenSize(const RenderOptions& o) {
+    return o.part ? o.part->size : ivec2(o.params.width, o.params.height);
+}
+
 }  // namespace
 
 void warnOf(const RenderOptions& o, const Scene& scene, const RenderResult& result, double limit) {
     if (result.stats.nonfinite_pixels > 0) {
         warn(fmt::format("{}: {} pixels are not finite", o.output, result.stats.nonfinite_pixels));
     }
-    const std::string black = whyBlack(scene, findCamera(scene, o.params.camera), result.frame);
+    RenderParams seen = o.params;
+    if (o.part) {
+        seen.window = {.first = o.part->first, .whole = {seen.width, seen.height}};
+    }
+    const std::string black = whyBlack(scene, viewOf(scene, seen), result.frame);
     if (!black.empty()) {
         warn(fmt::format("{}: {}", o.scene, black));
     }
@@ -71,8 +79,9 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
     for (const auto& [stage, value] : stagesOf(stats.seconds)) {
         seconds[stage] = value;
     }
+    const ivec2 written = writtenSize(o);
     Json json = {{"method", o.method},
-                 {"size", {o.params.width, o.params.height}},
+                 {"size", {written.x, written.y}},
                  {"threads", threadCount()},
                  {"output", o.output},
                  {"records", stats.records},
@@ -159,7 +168,8 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
     if (stats.negative_pixels > 0) {
         fmt::print("clamped   {} negative pixels\n", stats.negative_pixels);
     }
-    fmt::print("wrote     {} ({}x{}, {})\n", o.output, o.params.width, o.params.height, o.method);
+    const ivec2 written = writtenSize(o);
+    fmt::print("wrote     {} ({}x{}, {})\n", o.output, written.x, written.y, o.method);
 }
 
 }  // namespace sheen::cli

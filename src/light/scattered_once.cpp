@@ -65,7 +65,8 @@ void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
         if (scene().materials[scene().materials_of[triangle]].emits() &&
             (lights_ == nullptr || !lights_->lamps.isLamp(triangle))) {
             radiance[l.ray] +=
-                emissionAt(scene(), triangle, vec3(1.0f - l.hit->u - l.hit->v, l.hit->u, l.hit->v));
+                emissionAt(scene(), triangle, vec3(1.0f - l.hit->u - l.hit->v, l.hit->u, l.hit->v),
+                           rays.solidAngle(l.ray) * l.hit->distance * l.hit->distance);
         }
     }
     const auto dark =
@@ -90,8 +91,9 @@ void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
     SurfacePoint points[Tracer::kPacket];
     for (size_t k = 0; k < lacking.size(); ++k) {
         const Hit& hit = *lacking[k].hit;
-        points[k] = surfacePoint(scene(), hit.triangle, hit.u, hit.v,
-                                 -rays.directions[lacking[k].ray], hit.distance);
+        points[k] =
+            surfacePoint(scene(), hit.triangle, hit.u, hit.v, -rays.directions[lacking[k].ray],
+                         hit.distance, rays.solidAngle(lacking[k].ray));
     }
     // Much of what is met lies in the dark: never asked.
     std::optional<Scatterer> surfaces[Tracer::kPacket];

@@ -11,19 +11,23 @@
 namespace sheen {
 namespace {
 
-// Writes what a pixel sees. A surface at the eye itself has no depth and is not seen.
-void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_t i, GBuffer& g) {
-    const SurfacePoint p =
-        surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
+// Writes what a pixel of an image of `height` rows sees. A surface at the eye itself has no depth
+// and is not seen.
+void writePixel(const Scene& scene, const Camera& camera, int height, const Hit& hit,
+                const vec3& direction, size_t i, GBuffer& g) {
+    SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
     const float depth = g.image.depthOf(p.position);
     if (!(depth > 0.0f)) {
         return;
     }
-    const MaterialParams material = materialAt(scene, p.triangle, p.barycentric);
-    const Scatterer surface = scattererAt(scene, p, material);
+    p.footprint = pixelFootprint(camera, height, p.position, p.n_g);
+    const MaterialParams material = materialAt(scene, p.triangle, p.barycentric, p.footprint);
+    const Layers layers = layersAt(scene, p.triangle, p.barycentric, p.footprint);
+    const ShadingNormals normals =
+        normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo, p.footprint);
+    const Scatterer surface = underLayersAt(p, material, layers, normals);
     g.position.pixels[i] = p.position;
     g.depth.pixels[i] = depth;
-    const ShadingNormals normals = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo);
     g.normal.pixels[i] = normals.smooth;
     if (!g.mapped_normal.empty()) {
         g.mapped_normal.pixels[i] = normals.mapped;
@@ -34,6 +38,10 @@ void writePixel(const Scene& scene, const Hit& hit, const vec3& direction, size_
     g.roughness.pixels[i] = material.roughness;
     if (!g.emission.empty()) {
         g.emission.pixels[i] = material.emission;
+    }
+    if (!g.coat.empty()) {
+        g.coat.pixels[i] = layers.coat;
+        g.coat_roughness.pixels[i] = layers.coat_roughness;
     }
     g.primitive.pixels[i] = hit.triangle;
 }
@@ -90,6 +98,11 @@ GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& imag
     if (!scene.tangents.empty()) {
         result.mapped_normal = Image<vec3>(width, height);
     }
+    if (std::any_of(scene.materials.begin(), scene.materials.end(),
+                    [](const Material& m) { return m.layers.coat > 0.0f; })) {
+        result.coat = Image<float>(width, height);
+        result.coat_roughness = Image<float>(width, height);
+    }
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
     if (std::any_of(scene.materials.begin(), scene.materials.end(),
                     [](const Material& m) { return m.blended; })) {
@@ -108,7 +121,8 @@ GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& imag
                 result.share.at(x, y) = part.share;
             }
             if (part.hit.found()) {
-                writePixel(scene, part.hit, ray.direction, image.index(x, y), result);
+                writePixel(scene, camera, size.y, part.hit, ray.direction, image.index(x, y),
+                           result);
             } else if (veil == 0 && scene.environment.shows()) {
                 result.emission.at(x, y) = scene.environment.radiance(ray.direction);
             }

@@ -27,8 +27,11 @@ struct GBuffer {
     Image<vec3> f0;          ///< specular F0
     Image<float> f90;        ///< specular F90
     Image<float> roughness;  ///< perceptual
-    Image<vec3> direct;      ///< radiance of direct light
-    Image<vec3> emission;    ///< radiance; empty where no material emits and no sky shows
+    // Of clear coats; empty where no material has one.
+    Image<float> coat;            ///< how much of the surface is coated
+    Image<float> coat_roughness;  ///< perceptual
+    Image<vec3> direct;           ///< radiance of direct light
+    Image<vec3> emission;         ///< radiance; empty where no material emits and no sky shows
     Image<uint32_t> primitive;
     /// What share of the pixel's light comes from there; empty where it is all of it everywhere.
     Image<float> share;

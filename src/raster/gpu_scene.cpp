@@ -115,48 +115,25 @@ std::vector<PackedCorner> packCorners(const Scene& scene, const ClusteredMesh& m
     return packed;
 }
 
-// Appends a texture's levels, each half the size of the last down to one texel, as halves.
-int appendMipChain(const Scene& scene, const Texture& texture, std::vector<uvec2>& texels) {
+// Appends a texture's levels as halves, and returns how many they are.
+int appendLevels(const Scene& scene, const Texture& texture, std::vector<uvec2>& texels) {
     const TextureImage& image = scene.images[static_cast<size_t>(texture.image)];
-    std::vector<vec4> level = linearTexels(scene, texture);
-    int width = image.width;
-    int height = image.height;
-    int levels = 0;
-    while (true) {
-        ++levels;
-        for (const vec4& c : level) {
+    const int levels = image.levels(texture.srgb);
+    for (int i = 0; i < levels; ++i) {
+        for (const vec4& c : linearTexels(image.level(texture.srgb, i), texture.srgb)) {
             texels.emplace_back(glm::packHalf2x16({c.r, c.g}), glm::packHalf2x16({c.b, c.a}));
         }
-        if (width == 1 && height == 1) {
-            return levels;
-        }
-        const int next_width = std::max(width / 2, 1);
-        const int next_height = std::max(height / 2, 1);
-        std::vector<vec4> next(static_cast<size_t>(next_width) * next_height);
-        for (int y = 0; y < next_height; ++y) {
-            for (int x = 0; x < next_width; ++x) {
-                const int x1 = std::min(2 * x + 1, width - 1);
-                const int y1 = std::min(2 * y + 1, height - 1);
-                const auto at = [&](int i, int j) {
-                    return level[static_cast<size_t>(j) * width + i];
-                };
-                next[static_cast<size_t>(y) * next_width + x] =
-                    0.25f * (at(2 * x, 2 * y) + at(x1, 2 * y) + at(2 * x, y1) + at(x1, y1));
-            }
-        }
-        level = std::move(next);
-        width = next_width;
-        height = next_height;
     }
+    return levels;
 }
 
 // Where an image's levels lie among the texels.
-struct MipChain {
+struct LevelChain {
     int first, levels;
 };
 
 PackedTexture packTexture(const Scene& scene, const TextureUse& use,
-                          const std::vector<MipChain>& chains) {
+                          const std::vector<LevelChain>& chains) {
     PackedTexture packed{};
     packed.first = -1;
     if (use.used()) {
@@ -176,7 +153,7 @@ PackedTexture packTexture(const Scene& scene, const TextureUse& use,
 
 void uploadMaterials(const Scene& scene, GpuScene& gpu) {
     std::vector<uvec2> texels;
-    std::vector<MipChain> chains;
+    std::vector<LevelChain> chains;
     for (size_t i = 0; i < scene.textures.size(); ++i) {
         const Texture& texture = scene.textures[i];
         const auto same =
@@ -189,7 +166,7 @@ void uploadMaterials(const Scene& scene, GpuScene& gpu) {
             continue;
         }
         const auto first = static_cast<int>(texels.size());
-        chains.push_back({.first = first, .levels = appendMipChain(scene, texture, texels)});
+        chains.push_back({.first = first, .levels = appendLevels(scene, texture, texels)});
     }
     std::vector<PackedMaterial> materials;
     for (const Material& material : scene.materials) {

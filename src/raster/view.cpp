@@ -37,18 +37,29 @@ View parallelView(const vec3& origin, const vec3& right, const vec3& up, const v
 }
 
 View cameraView(const Camera& camera, int width, int height) {
+    const ivec2 whole = camera.wholeSize({width, height});
     const float tan_half = std::tan(0.5f * camera.y_fov);
-    const float aspect = static_cast<float>(width) / static_cast<float>(height);
+    const float aspect = static_cast<float>(whole.x) / static_cast<float>(whole.y);
     const mat3 axes(camera.world_from_camera);
-    return perspectiveView(vec3(camera.world_from_camera[3]), axes[0] * tan_half * aspect,
-                           -axes[1] * tan_half, -axes[2], 0.0f);
+    const vec3 right = axes[0] * tan_half * aspect;
+    const vec3 down = -axes[1] * tan_half;
+    // Of a part: as large as it is of the whole, about its own middle.
+    const vec2 share = vec2(width, height) / vec2(whole);
+    const vec2 middle =
+        (2.0f * vec2(camera.window.first) + vec2(width, height)) / vec2(whole) - 1.0f;
+    const vec3 forward =
+        camera.window.whole.x > 0 ? -axes[2] + middle.x * right + middle.y * down : -axes[2];
+    return perspectiveView(vec3(camera.world_from_camera[3]), share.x * right, share.y * down,
+                           forward, 0.0f);
 }
 
 PixelGrid pixelGrid(const Camera& camera, int width, int height) {
+    const int whole_height = camera.wholeSize({width, height}).y;
     return {.width = width,
             .height = height,
+            .whole_height = whole_height,
             .view = cameraView(camera, width, height),
-            .pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(height)};
+            .pixel_angle = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(whole_height)};
 }
 
 bool sphereInView(const View& view, const vec3& center, float radius) {

@@ -27,6 +27,7 @@ View cameraView(const Camera& camera, int width, int height);
 struct PixelGrid {
     int width = 0;
     int height = 0;
+    int whole_height = 0;  ///< of the image that these are all or a part of
     View view{};
     float pixel_angle = 0;  ///< width of a pixel at depth 1
 

@@ -13,6 +13,8 @@ struct SurfacePoint {
     vec3 position;
     vec3 n_g, wo;    ///< unit; n_g on the side of wo
     float distance;  ///< from where it is seen
+    /// The area of the surface that the look stands for; 0: the point alone.
+    float footprint = 0.0f;
 
     /// Where rays start that leave it.
     vec3 eye(const Scene& scene) const {
@@ -22,9 +24,10 @@ struct SurfacePoint {
 };
 
 /// The point at Embree's barycentric (u, v), seen from `distance` away. In double, so that it lies
-/// on the triangle's plane to within one rounding, however large the triangle.
+/// on the triangle's plane to within one rounding, however large the triangle. `solid_angle`: of
+/// the cone that the look stands for.
 inline SurfacePoint surfacePoint(const Scene& scene, uint32_t triangle, float u, float v,
-                                 const vec3& wo, float distance) {
+                                 const vec3& wo, float distance, float solid_angle = 0.0f) {
     const uvec3& t = scene.triangles[triangle];
     const vec3& p0 = scene.positions[t.x];
     const vec3& p1 = scene.positions[t.y];
@@ -36,6 +39,7 @@ inline SurfacePoint surfacePoint(const Scene& scene, uint32_t triangle, float u,
     p.n_g = shared::faceViewer(glm::normalize(glm::cross(p1 - p0, p2 - p0)), wo);
     p.wo = wo;
     p.distance = distance;
+    p.footprint = shared::footprintArea(solid_angle, distance, glm::dot(p.n_g, wo));
     return p;
 }
 
@@ -72,21 +76,36 @@ struct Scatterer {
     Brdf brdf;
 };
 
-/// Of the material that materialAt() finds at the point.
+/// Of the material that materialAt() finds at the point, under its layers; what its coat reflects
+/// is left out.
+inline Scatterer underLayersAt(const SurfacePoint& p, const MaterialParams& material,
+                               const Layers& layers, const ShadingNormals& normals) {
+    Scatterer surface{.n = normals.mapped, .brdf = {}};
+    const float NoV = glm::dot(surface.n, p.wo);
+    // A Lambertian surface needs no albedo of a lobe it does not have.
+    surface.brdf = shared::makeBrdf(
+        material, isLambertian(material) ? vec2(0.0f) : brdfAlbedo(NoV, material.roughness));
+    if (!layers.none()) {
+        surface.brdf = underLayers(surface.brdf, layers, NoV, glm::dot(normals.smooth, p.wo));
+    }
+    return surface;
+}
+
+/// The same as rays see it: what the coat reflects of the light they find leaves in all directions.
 inline Scatterer scattererAt(const Scene& scene, const SurfacePoint& p,
                              const MaterialParams& material) {
-    Scatterer surface;
-    surface.n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo).mapped;
-    // A Lambertian surface needs no albedo of a lobe it does not have.
-    surface.brdf =
-        shared::makeBrdf(material, isLambertian(material)
-                                       ? vec2(0.0f)
-                                       : brdfAlbedo(glm::dot(surface.n, p.wo), material.roughness));
+    const Layers layers = layersAt(scene, p.triangle, p.barycentric, p.footprint);
+    const ShadingNormals normals =
+        normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo, p.footprint);
+    Scatterer surface = underLayersAt(p, material, layers, normals);
+    if (layers.coat > 0.0f) {
+        surface.brdf.diffuse += coatAlbedo(layers, glm::dot(normals.smooth, p.wo));
+    }
     return surface;
 }
 
 inline Scatterer scattererAt(const Scene& scene, const SurfacePoint& p) {
-    return scattererAt(scene, p, materialAt(scene, p.triangle, p.barycentric));
+    return scattererAt(scene, p, materialAt(scene, p.triangle, p.barycentric, p.footprint));
 }
 
 /// Radiance toward wo of the light that arrives, unshadowed.

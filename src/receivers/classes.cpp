@@ -52,8 +52,9 @@ float specularShare(const vec3& diffuse, const vec3& f0, float f90, const vec2& 
 template <class Value>
 vec4 lowTexel(const Scene& scene, const TextureUse& use, const Value& value) {
     constexpr size_t kLower = 20;
+    const Texture& texture = scene.textures[static_cast<size_t>(use.texture)];
     std::vector<vec4> texels =
-        linearTexels(scene, scene.textures[static_cast<size_t>(use.texture)]);
+        linearTexels(scene.images[static_cast<size_t>(texture.image)], texture.srgb);
     const auto low = texels.begin() + static_cast<std::ptrdiff_t>(texels.size() / kLower);
     std::nth_element(texels.begin(), low, texels.end(),
                      [&](const vec4& a, const vec4& b) { return value(a) < value(b); });

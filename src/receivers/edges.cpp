@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/parallel.h"
-#include "light/direct.h"
+#include "receivers/coats.h"
 #include "scene/brdf_albedo.h"
 
 namespace sheen {
@@ -211,7 +211,7 @@ void EdgeFinder::look(const std::vector<size_t>& found, Edges& edges, std::vecto
     }
     GBuffer seen = see(places, static_cast<int>(count));
     seen.direct =
-        traceDirect(tracer_, lights_, seen, std::vector<uint32_t>(found.begin(), found.end()));
+        directWithCoats(tracer_, lights_, seen, std::vector<uint32_t>(found.begin(), found.end()));
     std::vector<Look> looks(found.size());
     constexpr int kGrain = 16;
     parallelFor(

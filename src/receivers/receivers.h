@@ -76,7 +76,7 @@ struct Receivers {
     vec3 towardViewer(size_t i) const { return glm::normalize(viewer(i) - positions[i]); }
     /// The height of the image at the receiver's distance, scene units.
     float height(size_t i) const {
-        return outward.empty() ? footprints[i] * static_cast<float>(image.height) : extent;
+        return outward.empty() ? footprints[i] * static_cast<float>(image.whole_height) : extent;
     }
     float alpha(size_t i) const { return shared::alphaFromRoughness(roughness[i]); }
     /// Where rays leave it, on the viewer's side.

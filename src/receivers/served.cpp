@@ -42,14 +42,20 @@ PixelRect slabBounds(const PixelGrid& image, const vec3& center, float radius, c
     // differences of large numbers.
     const glm::dvec3 d = glm::dvec3(center) - glm::dvec3(view.origin);
     const double r = radius;
-    const double z_axis_length = glm::length(glm::dvec3(view.forward));
-    const glm::dvec3 forward = glm::dvec3(view.forward) / z_axis_length;
+    // The view of a part of an image leans: across it lies what is left of its forward axis without
+    // its parts along the image's axes.
+    const glm::dvec3 right(view.right), up(view.up);
+    const double aside_x = glm::dot(glm::dvec3(view.forward), right) / glm::dot(right, right);
+    const double aside_y = glm::dot(glm::dvec3(view.forward), up) / glm::dot(up, up);
+    const glm::dvec3 across = glm::dvec3(view.forward) - aside_x * right - aside_y * up;
+    const double z_axis_length = glm::length(across);
+    const glm::dvec3 forward = across / z_axis_length;
     const double z = glm::dot(forward, d);
     if (z < -r) {
         return {};
     }
     // Per image axis: the two planes through the eye that touch the sphere, [MM13].
-    const auto range = [&](const glm::dvec3& axis, int size, int& low, int& high) {
+    const auto range = [&](const glm::dvec3& axis, double leaning, int size, int& low, int& high) {
         const double scale = glm::length(axis) / z_axis_length;
         const glm::dvec3 aside = glm::normalize(axis);
         const double x = glm::dot(aside, d);
@@ -67,8 +73,8 @@ PixelRect slabBounds(const PixelGrid& image, const vec3& center, float radius, c
                            .half_height = half_height,
                            .normal_x = glm::dot(glm::dvec3(normal), aside),
                            .normal_z = glm::dot(glm::dvec3(normal), forward)};
-        const double s0 = slab.tightened((x * z - root) / denominator, -1.0) / scale;
-        const double s1 = slab.tightened((x * z + root) / denominator, 1.0) / scale;
+        const double s0 = slab.tightened((x * z - root) / denominator, -1.0) / scale - leaning;
+        const double s1 = slab.tightened((x * z + root) / denominator, 1.0) / scale - leaning;
         const auto pixel = [size](double s) {
             return std::clamp((0.5 * s + 0.5) * size, -1.0, size + 1.0);
         };
@@ -77,8 +83,8 @@ PixelRect slabBounds(const PixelGrid& image, const vec3& center, float radius, c
         high = std::clamp(static_cast<int>(std::ceil(pixel(s1) + 0.5)), 0, size);
     };
     PixelRect rect;
-    range(view.right, image.width, rect.x0, rect.x1);
-    range(view.up, image.height, rect.y0, rect.y1);
+    range(right, aside_x, image.width, rect.x0, rect.x1);
+    range(up, aside_y, image.height, rect.y0, rect.y1);
     if (rect.x0 >= rect.x1 || rect.y0 >= rect.y1) {
         return {};
     }

@@ -25,15 +25,18 @@ struct Arriving {
 Arriving arrivingFrom(const PunctualLight& light, const Surface& s) {
     const LightSample sample = shared::sampleLight(light, s.position);
     const float NoL = glm::dot(s.n, sample.wi);
-    if (NoL <= 0.0f || glm::dot(s.n_g, sample.wi) <= 0.0f) {
+    if ((NoL <= 0.0f && !s.coat) || glm::dot(s.n_g, sample.wi) <= 0.0f) {
         return {};
     }
     Arriving arriving;
     arriving.light.all = shared::evalBrdf(s.brdf, s.n, s.wo, sample.wi) * sample.irradiance * NoL;
+    if (s.coat) {
+        arriving.light.all += evalCoat(s.coat, s.wo, sample.wi) * sample.irradiance;
+    }
     if (black(arriving.light.all)) {
         return {};
     }
-    arriving.light.diffuse = s.brdf.diffuse / kPi * sample.irradiance * NoL;
+    arriving.light.diffuse = s.brdf.diffuse / kPi * sample.irradiance * std::max(NoL, 0.0f);
     arriving.way = {.origin = s.rayOrigin(), .direction = sample.wi, .distance = kInfinity};
     if (sample.distance >= 0.0f) {
         const vec3 to_light = light.position - arriving.way.origin;
@@ -99,14 +102,17 @@ Scattered scatterChosen(const RayScene& rays, const Surface& s, const BrdfSample
                         const LightChoice& choice, Counters& counters) {
     const vec3& wi = choice.way.direction;
     const float NoL = glm::dot(s.n, wi);
-    if (!(choice.pdf > 0.0f) || !(NoL > 0.0f) || !opensToward(s, wi)) {
+    if (!(choice.pdf > 0.0f) || (!(NoL > 0.0f) && !s.coat) || !opensToward(s, wi)) {
         return {};
     }
     // The balance heuristic's weight over the density of the choice.
-    const vec3 arriving =
-        choice.radiance * (NoL / (choice.pdf + brdfPdf(sampler, s.brdf, s.n, s.wo, wi)));
-    const Scattered scattered = {.all = shared::evalBrdf(s.brdf, s.n, s.wo, wi) * arriving,
-                                 .diffuse = s.brdf.diffuse / kPi * arriving};
+    const float density = choice.pdf + brdfPdf(sampler, s.brdf, s.n, s.wo, wi);
+    const vec3 arriving = choice.radiance * (std::max(NoL, 0.0f) / density);
+    Scattered scattered = {.all = shared::evalBrdf(s.brdf, s.n, s.wo, wi) * arriving,
+                           .diffuse = s.brdf.diffuse / kPi * arriving};
+    if (s.coat) {
+        scattered.all += evalCoat(s.coat, s.wo, wi) * choice.radiance / density;
+    }
     if (black(scattered.all)) {
         return {};
     }
@@ -181,15 +187,17 @@ Frame emptyFrame(int width, int height) {
 }
 
 std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ivec2& size,
-                           const vec2& place, Counters& counters) {
+                           const vec2& place, Textures textures, Counters& counters) {
     const CameraRay ray = cameraRay(camera, size.x, size.y, place.x, place.y);
     const Environment& sky = rays.scene().environment;
     ++counters.rays;
+    const RayScene::PixelOf pixel{.camera = camera, .height = size.y};
     std::vector<Sighting> parts;
     for (const Seen& seen : rays.see(ray.origin, ray.direction)) {
         Sighting part{.share = seen.share};
         if (seen.hit.found()) {
-            part.surface = rays.surfaceAt(seen.hit, -ray.direction);
+            part.surface = rays.surfaceAt(seen.hit, -ray.direction,
+                                          textures == Textures::kOfPixel ? &pixel : nullptr);
             part.triangle = seen.hit.triangle;
             part.emission = part.surface->emission;
         } else if (sky.shows()) {
@@ -229,7 +237,7 @@ void setGBuffer(const Camera& camera, const Sighting& part, int x, int y, Frame&
 std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int x, int y,
                                 Frame& frame, Counters& counters) {
     const ivec2 size(frame.width(), frame.height());
-    Sighting nearest = look(rays, camera, size, vec2(x, y), counters).front();
+    Sighting nearest = look(rays, camera, size, vec2(x, y), Textures::kOfPixel, counters).front();
     nearest.share = 1.0f;
     addLight(rays, nearest, x, y, frame, counters);
     if (nearest.surface) {

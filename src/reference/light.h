@@ -82,9 +82,11 @@ struct Sighting {
     vec3 emission{0.0f};  ///< nits: where there is no surface, of the sky if that is to show
 };
 /// All parts, from the eye on, of a ray through a place of an image of that size, in pixels from
-/// the first one's centre. The last may be without a surface.
+/// the first one's centre. The last may be without a surface. Textures are those of the place, or
+/// averaged over the pixel about it, as who looks at its middle alone should see them.
+enum class Textures { kOfPlace, kOfPixel };
 std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ivec2& size,
-                           const vec2& place, Counters& counters);
+                           const vec2& place, Textures textures, Counters& counters);
 
 /// Adds a part of what the middle of pixel (x, y) sees to `frame`: its share of emission and of
 /// direct light by punctual lights.

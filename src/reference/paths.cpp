@@ -75,7 +75,7 @@ Brought followPath(const Context& context, const Surface& start, const Direction
         if (bounce > bounces) {
             break;
         }
-        const BrdfSampler sampler(q.brdf, q.specular_albedo, q.n, q.wo);
+        const BrdfSampler sampler(q.brdf, q.specular_albedo, q.n, q.wo, q.coat);
         const uint32_t bounce_seed = hashCombine(seed, static_cast<uint32_t>(bounce));
         const Scattered here = lightAtVertex(context, q, sampler, index, bounce_seed, counters);
         light.all += throughput * here.all;

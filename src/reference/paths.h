@@ -17,7 +17,8 @@ struct Start {
     BrdfSampler sampler;
 
     explicit Start(const Surface& surface)
-        : p(surface), sampler(surface.brdf, surface.specular_albedo, surface.n, surface.wo) {}
+        : p(surface),
+          sampler(surface.brdf, surface.specular_albedo, surface.n, surface.wo, surface.coat) {}
 };
 
 struct Context {
@@ -26,6 +27,9 @@ struct Context {
     const ReferenceParams& params;
     int samples_per_replicate;
     int guide_size;  ///< cells along a side; 0: no guide
+    /// Of the image that the frame may be a part of: a place there is the same digits.
+    Camera whole_camera;
+    ivec2 whole_size;
 };
 
 /// What a path brings that leaves its start toward the camera.

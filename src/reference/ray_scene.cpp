@@ -259,7 +259,7 @@ void RayScene::passing(std::span<const ShadowRay> rays, float* shares) const {
     }
 }
 
-Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
+Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pixel) const {
     const uvec3& t = scene_.triangles[hit.triangle];
     const vec3 &p0 = scene_.positions[t.x], &p1 = scene_.positions[t.y],
                &p2 = scene_.positions[t.z];
@@ -275,15 +275,28 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo) const {
     s.n_g = shared::faceViewer(n_g_[hit.triangle], wo);
     const vec3 largest = glm::max(glm::abs(p0), glm::max(glm::abs(p1), glm::abs(p2)));
     s.offset = kOffsetUlps * kUlp * (maxAbs(s.position) + glm::dot(glm::abs(s.n_g), largest));
-    s.n = normalsAt(scene_, hit.triangle, vec3(w, hit.u, hit.v), s.n_g, wo).mapped;
+    const float footprint =
+        pixel == nullptr ? 0.0f : pixelFootprint(pixel->camera, pixel->height, s.position, s.n_g);
+    const vec3 at(w, hit.u, hit.v);
+    const ShadingNormals normals = normalsAt(scene_, hit.triangle, at, s.n_g, wo, footprint);
+    s.n = normals.mapped;
 
     // Look up the material.
-    const MaterialParams material = materialAt(scene_, hit.triangle, vec3(w, hit.u, hit.v));
+    const MaterialParams material = materialAt(scene_, hit.triangle, at, footprint);
     // Only a Lambertian surface has no specular lobe, whatever the table says of one.
     const bool lambertian = material.specular == 0.0f && material.metallic == 0.0f;
     const vec2 albedo_ab =
         lambertian ? vec2(0.0f) : brdfAlbedo(glm::dot(s.n, wo), material.roughness);
     s.brdf = shared::makeBrdf(material, albedo_ab);
+    if (const Layers layers = layersAt(scene_, hit.triangle, at, footprint); !layers.none()) {
+        const float NoV_coat = glm::dot(normals.smooth, wo);
+        s.brdf = underLayers(s.brdf, layers, glm::dot(s.n, wo), NoV_coat);
+        if (layers.coat > 0.0f) {
+            s.coat = {.brdf = coatBrdf(layers),
+                      .n = normals.smooth,
+                      .albedo = coatAlbedo(layers, NoV_coat)};
+        }
+    }
     s.specular_albedo = s.brdf.f0 * albedo_ab.x + vec3(s.brdf.f90 * albedo_ab.y);
     s.emission = material.emission;
     s.roughness = material.roughness;

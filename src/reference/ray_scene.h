@@ -5,10 +5,12 @@
 #include <embree3/rtcore.h>
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "image/frame.h"
+#include "reference/sampling.h"
 #include "scene/scene.h"
 
 namespace sheen {
@@ -30,7 +32,9 @@ struct Surface {
     vec3 n{0.0f};         ///< shading normal, unit
     vec3 wo{0.0f};        ///< unit, away from the surface
     Brdf brdf;
-    vec3 specular_albedo{0.0f};  ///< directional albedo of the specular lobe toward wo
+    std::optional<Coat> coat;
+    vec3 specular_albedo{0.0f};  ///< directional albedo of the specular lobe toward wo, the
+                                 ///< coat left out
     vec3 emission{0.0f};         ///< nits
     float roughness = 0.0f;      ///< perceptual
     float offset = 0.0f;         ///< how far from the surface its rays start, scene units
@@ -75,8 +79,14 @@ class RayScene {
     /// As above, for each of `rays`; those of distance 0 are not cast, and all passes. As many
     /// `shares`.
     void passing(std::span<const ShadowRay> rays, float* shares) const;
-    /// The surface at a hit of a ray of direction -wo.
-    Surface surfaceAt(const RayHit& hit, const vec3& wo) const;
+    /// What an image's middle of a pixel stands for: all of the pixel.
+    struct PixelOf {
+        const Camera& camera;
+        int height;  ///< rows of the image
+    };
+    /// The surface at a hit of a ray of direction -wo; textures at the point alone or, for a
+    /// `pixel`, averaged over what it shows.
+    Surface surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pixel = nullptr) const;
 
     const Scene& scene() const { return scene_; }
 

@@ -51,8 +51,10 @@ class Pixel {
         : context_(context),
           x_(x),
           y_(y),
-          seed_(hashCombine(hashCombine(hash32(context_.params.seed), static_cast<uint32_t>(x_)),
-                            static_cast<uint32_t>(y_))) {}
+          in_whole_(ivec2(x, y) + context.params.camera.window.first),
+          seed_(hashCombine(
+              hashCombine(hash32(context_.params.seed), static_cast<uint32_t>(in_whole_.x)),
+              static_cast<uint32_t>(in_whole_.y))) {}
 
     // On a surface that the middle sees, other paths than before: what they bring counts by its
     // share.
@@ -77,9 +79,8 @@ class Pixel {
         float u = owenSobol(index, hashCombine(seed, kPartSeed)).x;
         PathStart from{.start = {}, .coverage = 1.0f};
         // One of the surfaces, by its share of the light.
-        for (const Sighting& part :
-             look(context_.rays, params.camera, {params.width, params.height}, vec2(x_, y_) + place,
-                  counters)) {
+        for (const Sighting& part : look(context_.rays, context_.whole_camera, context_.whole_size,
+                                         vec2(in_whole_) + place, Textures::kOfPlace, counters)) {
             from.emission += part.share * part.emission;
             if (!part.surface) {
                 from.coverage = 1.0f - part.share;
@@ -96,6 +97,7 @@ class Pixel {
   private:
     const Context& context_;
     int x_, y_;
+    ivec2 in_whole_;  // of the image that the frame may be a part of
     uint32_t seed_;
     float share_ = 1.0f;
     PathStart on_;
@@ -256,12 +258,15 @@ void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
         estimateIndirect(context, pixel, result.frame, counters);
     };
     const std::vector<Sighting> parts =
-        look(context.rays, params.camera, {params.width, params.height}, vec2(x, y), counters);
+        look(context.rays, params.camera, {params.width, params.height}, vec2(x, y),
+             Textures::kOfPixel, counters);
     // What lies behind panes or, where that is nothing, the nearest of them.
     const Sighting& shown = parts.back().surface ? parts.back() : parts.front();
     if (shown.surface) {
         setGBuffer(params.camera, shown, x, y, result.frame);
-        result.specular_albedo.at(x, y) = shown.surface->specular_albedo;
+        result.specular_albedo.at(x, y) =
+            shown.surface->specular_albedo +
+            (shown.surface->coat ? shown.surface->coat->albedo : 0.0f);
     }
     if (params.pixel_area) {
         estimate();
@@ -323,12 +328,16 @@ ReferenceResult renderPlaces(const Scene& scene, const ReferenceParams& params,
     const Lights lights(scene);
     ReferenceParams apart = params;
     apart.caustics_apart = params.caustics_apart && anySpecular(scene);
+    Camera whole_camera = params.camera;
+    whole_camera.window = {};
     const Context context{
         .rays = rays,
         .lights = lights,
         .params = apart,
         .samples_per_replicate = (params.spp + params.replicates - 1) / params.replicates,
-        .guide_size = guideSize(params)};
+        .guide_size = guideSize(params),
+        .whole_camera = whole_camera,
+        .whole_size = params.camera.wholeSize({params.width, params.height})};
 
     ReferenceResult result;
     result.spp = context.samples_per_replicate * params.replicates;

@@ -1,8 +1,11 @@
 // Directions distributed for the BRDF: a mixture of a cosine lobe and the GGX distribution of
-// visible normals, weighted by the one-sample balance heuristic. Based on: [VG95], [Hei18].
+// visible normals, and for a coat of that of its own, weighted by the one-sample balance heuristic.
+// Based on: [VG95], [Hei18].
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/directions.h"
 #include "scene/ggx_sampling.h"
@@ -35,16 +38,40 @@ inline float ggxReflectionPdf(const vec3& n, const vec3& wo, const vec3& wi, flo
     return reflectedDensity(NoV, NoH, alpha);
 }
 
+/// A clear coat over a surface point: a BRDF of its own about a normal of its own.
+struct Coat {
+    shared::Brdf brdf;
+    vec3 n{0.0f};         ///< unit, on the viewer's side
+    float albedo = 0.0f;  ///< toward the viewer
+};
+
+/// What the coat, where there is one, sends of light from wi toward wo: its BRDF times its cosine.
+inline vec3 evalCoat(const std::optional<Coat>& coat, const vec3& wo, const vec3& wi) {
+    return coat ? shared::evalBrdf(coat->brdf, coat->n, wo, wi) *
+                      std::max(glm::dot(coat->n, wi), 0.0f)
+                : vec3(0.0f);
+}
+
 /// How a surface point spreads its samples; made once a point.
 struct BrdfSampler {
     mat3 world_from_local{1.0f};
     vec3 wo_local{0.0f};
-    float specular_share = 0.0f;  ///< of the samples, taken from the GGX lobe
+    float specular_share = 0.0f;  ///< of those not the coat's, taken from the GGX lobe
+    std::optional<Coat> coat;
+    float coat_share = 0.0f;  ///< of the samples, taken from the coat's lobe
 
     /// `specular_albedo` is the specular lobe's directional albedo.
     BrdfSampler(const shared::Brdf& brdf, const vec3& specular_albedo, const vec3& n,
-                const vec3& wo)
-        : world_from_local(tangentFrame(n)), wo_local(wo * world_from_local) {
+                const vec3& wo, const std::optional<Coat>& coat_ = {})
+        : world_from_local(tangentFrame(n)), wo_local(wo * world_from_local), coat(coat_) {
+        if (coat) {
+            const float below =
+                std::max({specular_albedo.x + brdf.diffuse.x, specular_albedo.y + brdf.diffuse.y,
+                          specular_albedo.z + brdf.diffuse.z, 1e-6f});
+            coat_share =
+                glm::clamp(std::round(8.0f * coat->albedo / (coat->albedo + below)), 2.0f, 6.0f) /
+                8.0f;
+        }
         const float specular = specular_albedo.x + specular_albedo.y + specular_albedo.z;
         const float diffuse = brdf.diffuse.x + brdf.diffuse.y + brdf.diffuse.z;
         if (specular <= 0.0f) {
@@ -60,20 +87,28 @@ struct BrdfSampler {
     }
 };
 
-/// Density per solid angle by which sampleBrdf() chooses wi; 0 below the shading hemisphere.
+/// Density per solid angle by which sampleBrdf() chooses wi and keeps it: what a lobe sends below
+/// the hemisphere of its own normal is dropped.
 inline float brdfPdf(const BrdfSampler& sampler, const shared::Brdf& brdf, const vec3& n,
                      const vec3& wo, const vec3& wi) {
-    const float NoL = glm::dot(n, wi);
-    if (!(NoL > 0.0f)) {
-        return 0.0f;
+    float pdf = 0.0f;
+    if (const float NoL = glm::dot(n, wi); NoL > 0.0f) {
+        const float share = sampler.specular_share;
+        const float specular_pdf = share > 0.0f ? ggxReflectionPdf(n, wo, wi, brdf.alpha) : 0.0f;
+        pdf = share * specular_pdf + (1.0f - share) * NoL / kPi;
     }
-    const float share = sampler.specular_share;
-    const float specular_pdf = share > 0.0f ? ggxReflectionPdf(n, wo, wi, brdf.alpha) : 0.0f;
-    return share * specular_pdf + (1.0f - share) * NoL / kPi;
+    if (sampler.coat) {
+        const Coat& coat = *sampler.coat;
+        const float coat_pdf =
+            glm::dot(coat.n, wi) > 0.0f ? ggxReflectionPdf(coat.n, wo, wi, coat.brdf.alpha) : 0.0f;
+        pdf = sampler.coat_share * coat_pdf + (1.0f - sampler.coat_share) * pdf;
+    }
+    return pdf;
 }
 
-/// A direction, and the BRDF times cosine over its density. Both weights are 0 where the direction
-/// lies below the shading hemisphere; such a sample counts, and there is nothing to trace.
+/// A direction, and the BRDF times cosine over its density, the coat's included. Both weights are 0
+/// where it was dropped; such a sample counts, and there is
+/// nothing to trace.
 struct DirectionSample {
     vec3 wi{0.0f};       ///< unit, world space
     float pdf = 0.0f;    ///< per solid angle
@@ -86,22 +121,43 @@ inline DirectionSample sampleBrdf(const BrdfSampler& sampler, const shared::Brdf
                                   const vec3& n, const vec3& wo, vec2 u) {
     constexpr float kBelowOne = 0x1.fffffep-1f;
     const float share = sampler.specular_share;
-    vec3 wi_local;
-    if (u.x < share) {
-        u.x = std::min(u.x / share, kBelowOne);
-        const vec3 h = sampleGgxVisibleNormal(sampler.wo_local, brdf.alpha, u);
-        wi_local = 2.0f * glm::dot(sampler.wo_local, h) * h - sampler.wo_local;
-    } else {
-        u.x = std::min((u.x - share) / (1.0f - share), kBelowOne);
-        wi_local = sampleCosine(u);
-    }
     DirectionSample s;
-    s.wi = glm::normalize(sampler.world_from_local * wi_local);
+    if (u.x < sampler.coat_share) {
+        u.x = std::min(u.x / sampler.coat_share, kBelowOne);
+        const Coat& coat = *sampler.coat;
+        const mat3 frame = tangentFrame(coat.n);
+        const vec3 local = wo * frame;
+        const vec3 h = sampleGgxVisibleNormal(local, coat.brdf.alpha, u);
+        s.wi = glm::normalize(frame * (2.0f * glm::dot(local, h) * h - local));
+        if (!(glm::dot(coat.n, s.wi) > 0.0f)) {
+            return s;
+        }
+    } else {
+        if (sampler.coat) {
+            u.x = std::min((u.x - sampler.coat_share) / (1.0f - sampler.coat_share), kBelowOne);
+        }
+        vec3 wi_local;
+        if (u.x < share) {
+            u.x = std::min(u.x / share, kBelowOne);
+            const vec3 h = sampleGgxVisibleNormal(sampler.wo_local, brdf.alpha, u);
+            wi_local = 2.0f * glm::dot(sampler.wo_local, h) * h - sampler.wo_local;
+        } else {
+            u.x = std::min((u.x - share) / (1.0f - share), kBelowOne);
+            wi_local = sampleCosine(u);
+        }
+        s.wi = glm::normalize(sampler.world_from_local * wi_local);
+        if (!(glm::dot(n, s.wi) > 0.0f)) {
+            return s;
+        }
+    }
     const float NoL = glm::dot(n, s.wi);
     s.pdf = brdfPdf(sampler, brdf, n, wo, s.wi);
     if (s.pdf > 0.0f) {
         s.weight = shared::evalBrdf(brdf, n, wo, s.wi) * (NoL / s.pdf);
-        s.diffuse = brdf.diffuse * (NoL / (kPi * s.pdf));
+        s.diffuse = brdf.diffuse * (std::max(NoL, 0.0f) / (kPi * s.pdf));
+        if (sampler.coat) {
+            s.weight += evalCoat(sampler.coat, wo, s.wi) / s.pdf;
+        }
     }
     return s;
 }

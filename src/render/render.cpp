@@ -41,7 +41,7 @@ RenderResult renderByPaths(const Scene& scene, const RenderParams& params) {
     ReferenceResult traced = renderReference(
         scene, {.width = params.width,
                 .height = params.height,
-                .camera = findCamera(scene, params.camera),
+                .camera = viewOf(scene, params),
                 .bounces = params.bounces,
                 .spp = params.spp,
                 .replicates = replicatesFor(params.spp),
@@ -67,7 +67,7 @@ RenderResult renderByOctree(const Scene& scene, const RenderParams& params) {
     IrradianceCacheResult cached =
         renderIrradianceCache(scene, {.width = params.width,
                                       .height = params.height,
-                                      .camera = findCamera(scene, params.camera),
+                                      .camera = viewOf(scene, params),
                                       .accuracy = params.placement.accuracy,
                                       .rings = params.gather.size,
                                       .quiet = params.quiet});
@@ -267,6 +267,9 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
                                {view.receivers, splat, specular}, result));
     }
     result.frame.caustic = view.caustic;
+    for (size_t i = 0; i < view.of_coats.pixels.size(); ++i) {
+        result.frame.indirect.pixels[i] += view.of_coats.pixels[i];
+    }
     if (params.all_layers) {
         result.frame.records = countRecords(view.receivers, placement.cache, how.servingWeight());
     }
@@ -398,6 +401,12 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
 }
 
 }  // namespace
+
+Camera viewOf(const Scene& scene, const RenderParams& params) {
+    Camera camera = findCamera(scene, params.camera);
+    camera.window = params.window;
+    return camera;
+}
 
 bool smoothsEdges(Method method, GatherRoad road) {
     switch (method) {

@@ -26,6 +26,8 @@ struct RenderParams {
     int width = 512;
     int height = 512;
     std::string camera;  ///< name or index; empty: the scene's first
+    /// The image that these pixels are a part of; none: all of it (render/crop.h).
+    Camera::Window window = {};
     /// Samples of a pixel with edges, a power of two. 1: each pixel shows its middle, as studies
     /// measure it. More: radiance and irradiance by rays; the reference, whose every path then has
     /// a place of its own in the pixel.
@@ -118,6 +120,9 @@ bool findsCaustics(Method method, GatherRoad road);
 
 /// No target error makes records finer than this.
 constexpr float kFinestAccuracy = 0.03f;
+
+/// The camera that `params` names, with their window. Usage error where there is none.
+Camera viewOf(const Scene& scene, const RenderParams& params);
 
 struct SceneState;
 

@@ -3,8 +3,8 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "light/caustics.h"
-#include "light/direct.h"
 #include "light/place_elements.h"
+#include "receivers/coats.h"
 #include "render/caustics.h"
 #include "splat/splat.h"
 
@@ -28,6 +28,15 @@ template <class Make>
 auto timed(double& stage, const Make& make) {
     const StageTimer timer(stage);
     return make();
+}
+
+// Each sample of a pixel with edges has had its share already.
+void takeWhole(const Edges& edges, Image<float>& share) {
+    for (const EdgePixel& edge : edges.pixels) {
+        if (!share.empty()) {
+            share.pixels[edge.pixel] = 1.0f;
+        }
+    }
 }
 
 }  // namespace
@@ -77,7 +86,7 @@ SceneState::~SceneState() {
 // where records use rays, else from shadow maps.
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
                      const ViewState* ground) {
-    const Camera& camera = findCamera(state.scene, params.camera);
+    const Camera camera = viewOf(state.scene, params);
     GBuffer gbuffer = timed(seconds.gbuffer, [&] {
         return renderGBuffer(state.tracer, camera, params.width, params.height, veil);
     });
@@ -86,10 +95,14 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     if (veil == 0) {  // what is prepared for the whole scene serves veils too
         state.prepareFor(nearBoxes(state.scene, gbuffer), seconds);
     }
+    std::optional<Receivers> coats;
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {
-            gbuffer.direct = traceDirect(state.tracer, state.lights, gbuffer);
+            gbuffer.direct = directWithCoats(state.tracer, state.lights, gbuffer);
+            if (!gbuffer.coat.empty() && params.method == Method::kRadiance) {
+                coats = coatsOf(state.scene, gbuffer);
+            }
         } else {
             lightGBuffer(state.pool, state.gpu, gbuffer);
         }
@@ -102,11 +115,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         const StageTimer timer(seconds.gbuffer);
         edges = findEdges(state.tracer, state.lights, camera, receivers, {veil, share},
                           params.sh_order, params.aa);
-        for (const EdgePixel& edge : edges->pixels) {
-            if (!share.empty()) {
-                share.pixels[edge.pixel] = 1.0f;  // each sample had its own
-            }
-        }
+        takeWhole(*edges, share);
     }
     checkSplat(state.pool, receivers);
     outgoing = ground != nullptr ? ground->outgoing : &*state.outgoing;
@@ -123,6 +132,9 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         by_rays.caustics_apart = true;
     }
     const StageTimer timer(seconds.gather);
+    if (coats && coats->anyByRays()) {
+        of_coats = reflectSpecular(*coats, traceSpecular(*outgoing, *coats, params.specular), {});
+    }
     if (receivers.anyByRays()) {
         specular = traceSpecular(*outgoing, receivers, by_rays);
     }

@@ -44,6 +44,7 @@ struct ViewState {
     const OutgoingLight* outgoing = nullptr;  // what rays see
     Receivers receivers;
     Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
+    Image<vec3> of_coats;          // indirect light that clear coats add; empty: none
     Image<vec3> caustic;           // of pixels, edges smoothed; empty where there are none
     size_t caustic_photons = 0;
     std::optional<Edges> edges;          // none where only the pixels' middles count

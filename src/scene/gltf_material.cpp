@@ -206,6 +206,48 @@ void readTransmission(File& file, const tinygltf::Value& extension, const std::s
     material.blended = true;
 }
 
+void readClearcoat(File& file, const tinygltf::Value& extension, const std::string& where,
+                   TextureLoader& loader, Material& material) {
+    const auto factor = [&](const char* key) {
+        return clampedFactor(file, numberMember(file, extension, key, 0.0, where), 1.0, where, key);
+    };
+    material.layers.coat = factor("clearcoatFactor");
+    material.layers.coat_roughness = factor("clearcoatRoughnessFactor");
+    material.coat_texture =
+        loader.use(memberTexture(file, extension, "clearcoatTexture", where), false, where);
+    material.coat_roughness_texture = loader.use(
+        memberTexture(file, extension, "clearcoatRoughnessTexture", where), false, where);
+    if (material.layers.coat > 0.0f && extension.Has("clearcoatNormalTexture")) {
+        file.notes.add("clearcoatNormalTexture is not supported: the coat is shown smooth");
+    }
+}
+
+void readSheen(File& file, const tinygltf::Value& extension, const std::string& where,
+               TextureLoader& loader, Material& material) {
+    material.layers.fibre_color =
+        vec3(colorMember(file, extension, "sheenColorFactor", 3, 1.0, vec4(0.0f), where));
+    material.layers.fibre_roughness =
+        clampedFactor(file, numberMember(file, extension, "sheenRoughnessFactor", 0.0, where), 1.0,
+                      where, "sheenRoughnessFactor");
+    material.fibre_color_texture =
+        loader.use(memberTexture(file, extension, "sheenColorTexture", where), true, where);
+    material.fibre_roughness_texture =
+        loader.use(memberTexture(file, extension, "sheenRoughnessTexture", where), false, where);
+}
+
+// A round lobe as wide as the elliptical one is on average: widths are alpha and, along the
+// direction, mix(alpha, 1, strength^2).
+void readAnisotropy(File& file, const tinygltf::Value& extension, const std::string& where,
+                    Material& material) {
+    const float strength =
+        clampedFactor(file, numberMember(file, extension, "anisotropyStrength", 0.0, where), 1.0,
+                      where, "anisotropyStrength");
+    float& roughness = material.params.roughness;
+    const float alpha = roughness * roughness;
+    const float along = glm::mix(alpha, 1.0f, strength * strength);
+    roughness = std::sqrt(std::sqrt(alpha * along));
+}
+
 // Its colour, whatever the light, is what it emits.
 void makeUnlit(Material& material) {
     material.unlit = true;
@@ -218,6 +260,7 @@ void makeUnlit(Material& material) {
     const TextureUse color = material.textures[shared::TEXTURE_BASE_COLOR];
     material.textures = {};
     material.normal_texture = {};
+    material.layers = {};
     material.textures[shared::TEXTURE_EMISSION] = color;
 }
 
@@ -240,6 +283,15 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     if (const auto* extension = extensionOf(source, "KHR_materials_transmission");
         extension != nullptr && !unlit) {
         readTransmission(file, *extension, where, material);
+    }
+    if (const auto* extension = extensionOf(source, "KHR_materials_clearcoat")) {
+        readClearcoat(file, *extension, where, loader, material);
+    }
+    if (const auto* extension = extensionOf(source, "KHR_materials_sheen")) {
+        readSheen(file, *extension, where, loader, material);
+    }
+    if (const auto* extension = extensionOf(source, "KHR_materials_anisotropy")) {
+        readAnisotropy(file, *extension, where, material);
     }
     if (unlit) {
         makeUnlit(material);

@@ -177,7 +177,8 @@ std::optional<TextureImage> loadImage(File& file, int index, const char* loss,
 /// is noted, and it is left out: it never keeps the file from loading.
 class TextureLoader {
   public:
-    TextureLoader(File& file, Scene& scene) : file_(file), scene_(scene) {}
+    /// Notes where images are too large together to be kept whole.
+    TextureLoader(File& file, Scene& scene);
     /// `owner`: the material, for errors.
     TextureUse use(const TextureInfo& info, bool srgb, const std::string& owner);
     /// The roughness that is left by a texture's alpha times a glossiness, as a texture of its own.
@@ -186,10 +187,10 @@ class TextureLoader {
   private:
     TextureUse usable(const TextureInfo& info, bool srgb, const std::string& owner);
     int load(int index, bool srgb, const std::string& owner);
-
     File& file_;
     Scene& scene_;
     std::map<int, int> images_;  // of the scene, by the file's; -1: it cannot be read
+    int largest_side_;           // of an image as it is kept, texels
 };
 
 /// Chooses a variant of the materials by its name; empty: none. Usage error where there is none of

@@ -50,7 +50,7 @@ void checkImage(const File& file, const ImageHeader& header, size_t bytes,
 // Of 8 bits a channel where that loses nothing.
 TextureImage storedImage(DecodedImage image) {
     constexpr uint16_t kWords = 257;  // to a byte
-    TextureImage stored{.width = image.width, .height = image.height, .bytes = {}, .words = {}};
+    TextureImage stored{.width = image.width, .height = image.height};
     const bool bytes = std::all_of(image.rgba.begin(), image.rgba.end(),
                                    [](uint16_t word) { return word % kWords == 0; });
     if (!bytes) {
@@ -61,6 +61,58 @@ TextureImage storedImage(DecodedImage image) {
     std::transform(image.rgba.begin(), image.rgba.end(), stored.bytes.begin(),
                    [](uint16_t word) { return static_cast<uint8_t>(word / kWords); });
     return stored;
+}
+
+std::span<const uint8_t> encodedBytes(const File& file, const EncodedImage& image,
+                                      const std::string& where) {
+    const ByteSpan bytes = image.buffer_view >= 0
+                               ? bufferViewBytes(file, image.buffer_view, where)
+                               : ByteSpan{image.content.bytes.data(), image.content.bytes.size()};
+    return {bytes.data, bytes.size};
+}
+
+// Bytes that images take, halved to sides of at most so many texels, with their smaller copies.
+uint64_t keptBytes(const std::vector<ImageHeader>& headers, int side) {
+    uint64_t texels = 0;
+    for (const ImageHeader& header : headers) {
+        ivec2 size(header.width, header.height);
+        while (std::max(size.x, size.y) > side) {
+            size = glm::max(size / 2, 1);
+        }
+        texels += static_cast<uint64_t>(size.x) * static_cast<uint64_t>(size.y);
+    }
+    return 4 * texels * 4 / 3;
+}
+
+// How large the sides of images may be for all of the file's together to take 1.25 GiB, of 8 bits.
+int largestSide(File& file) {
+    constexpr uint64_t kMost = uint64_t{5} << 28;
+    constexpr int kLargest = 1 << 20;
+    constexpr int kSmallest = 64;
+    std::vector<ImageHeader> headers;
+    for (size_t i = 0; i < file.images.size(); ++i) {
+        if (file.images[i].content.missing.empty()) {
+            try {
+                headers.push_back(readImageHeader(
+                    encodedBytes(file, file.images[i], label("image", i, file.images[i].name))));
+            } catch (const std::exception&) {
+                continue;  // whoever needs it will say so
+            }
+        }
+    }
+    const uint64_t whole = keptBytes(headers, kLargest);
+    if (whole <= kMost) {
+        return kLargest;
+    }
+    int side = kLargest;
+    while (side > kSmallest && keptBytes(headers, side) > kMost) {
+        side /= 2;
+    }
+    file.notes.add(
+        fmt::format("the images would take {:.1f} GiB: they are kept at no more than {} texels a "
+                    "side; use fewer or smaller ones to see them whole",
+                    static_cast<double>(whole) / static_cast<double>(uint64_t{1} << 30), side));
+    return side;
 }
 
 vec2 pairMember(const File& file, const tinygltf::Value& object, const char* key,
@@ -98,17 +150,14 @@ std::optional<TextureImage> loadImage(File& file, int index, const char* loss, i
         file.notes.add(fmt::format("{}: {}: {}", where, loss, source.content.missing));
         return std::nullopt;
     }
-    const ByteSpan bytes = source.buffer_view >= 0
-                               ? bufferViewBytes(file, source.buffer_view, where)
-                               : ByteSpan{source.content.bytes.data(), source.content.bytes.size()};
-    const std::span<const uint8_t> encoded(bytes.data, bytes.size);
+    const std::span<const uint8_t> encoded = encodedBytes(file, source, where);
     try {
         const ImageHeader header = readImageHeader(encoded);
         if (std::max(header.width, header.height) > longest) {
             throw DecodeError(fmt::format("{} x {} texels are too many, of at most {} a side",
                                           header.width, header.height, longest));
         }
-        checkImage(file, header, bytes.size, where);
+        checkImage(file, header, encoded.size(), where);
         return storedImage(decodeImage(encoded));
     } catch (const DecodeError& error) {
         file.notes.add(fmt::format("{}: it cannot be decoded: {}: {}; use an intact PNG or JPEG",
@@ -127,6 +176,9 @@ TextureInfo textureInfo(const File& file, const tinygltf::Value& object, const s
     return info;
 }
 
+TextureLoader::TextureLoader(File& file, Scene& scene)
+    : file_(file), scene_(scene), largest_side_(largestSide(file)) {}
+
 int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     const tinygltf::Texture& source = file_.at(file_.model.textures, index, owner, "texture");
     const std::string where = fmt::format("texture {}", index);
@@ -142,10 +194,14 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     const auto [image, is_new] = images_.try_emplace(source.source, -1);
     if (is_new) {
         if (auto loaded = loadImage(file_, source.source, "materials shown without it")) {
+            while (std::max(loaded->width, loaded->height) > largest_side_) {
+                loaded = halved(*loaded, srgb);
+            }
             scene_.images.push_back(std::move(*loaded));
             image->second = static_cast<int>(scene_.images.size()) - 1;
         }
     }
+    bool smaller = true;  // unless the sampler asks for the image alone, at any distance
     Texture texture{.image = image->second, .srgb = srgb};
     if (source.sampler != -1) {
         const tinygltf::Sampler& sampler =
@@ -154,9 +210,14 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
         texture.wrap = {wrapOf(file_, sampler.wrapS, sampler_where),
                         wrapOf(file_, sampler.wrapT, sampler_where)};
         texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+        smaller = sampler.minFilter != TINYGLTF_TEXTURE_FILTER_NEAREST &&
+                  sampler.minFilter != TINYGLTF_TEXTURE_FILTER_LINEAR;
     }
     if (texture.image < 0) {
         return -1;
+    }
+    if (smaller) {
+        makeSmaller(scene_.images[static_cast<size_t>(texture.image)], srgb);
     }
     const auto known = std::find(scene_.textures.begin(), scene_.textures.end(), texture);
     if (known == scene_.textures.end()) {
@@ -186,7 +247,7 @@ TextureUse TextureLoader::use(const TextureInfo& info, bool srgb, const std::str
 TextureUse TextureLoader::roughnessOf(const TextureUse& gloss, float glossiness) {
     Texture texture = scene_.textures[static_cast<size_t>(gloss.texture)];
     const TextureImage& source = scene_.images[static_cast<size_t>(texture.image)];
-    TextureImage image{.width = source.width, .height = source.height, .bytes = {}, .words = {}};
+    TextureImage image{.width = source.width, .height = source.height};
     image.bytes.reserve(4 * source.texelCount());
     for (int y = 0; y < source.height; ++y) {
         for (int x = 0; x < source.width; ++x) {
@@ -195,6 +256,7 @@ TextureUse TextureLoader::roughnessOf(const TextureUse& gloss, float glossiness)
             image.bytes.insert(image.bytes.end(), {0, green, 255, 255});
         }
     }
+    makeSmaller(image, false);
     scene_.images.push_back(std::move(image));
     texture.image = static_cast<int>(scene_.images.size()) - 1;
     texture.srgb = false;

@@ -9,35 +9,11 @@
 namespace sheen {
 namespace {
 
-float linearFromSrgb(float s) {
-    return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-}
-
-// Linear light, by what is stored.
-std::vector<float> transferTable(size_t size, bool srgb) {
-    std::vector<float> table(size);
-    for (size_t i = 0; i < size; ++i) {
-        const float stored = static_cast<float>(i) / static_cast<float>(size - 1);
-        table[i] = srgb ? linearFromSrgb(stored) : stored;
-    }
-    return table;
-}
-
-// Bilinear, or the nearest.
-vec4 sampled(const Scene& scene, const Texture& texture, const vec2& uv) {
-    const TextureImage& image = scene.images[static_cast<size_t>(texture.image)];
-    const glm::ivec2 size(image.width, image.height);
-    if (texture.nearest) {
-        const glm::ivec2 at = shared::nearestTaps(uv, size, texture.wrap).lower;
-        return texelOf(image, texture.srgb, at.x, at.y);
-    }
-    const shared::TextureTaps taps = shared::textureTaps(uv, size, texture.wrap);
-    const auto texel = [&](int x, int y) { return texelOf(image, texture.srgb, x, y); };
-    const vec4 lower = glm::mix(texel(taps.lower.x, taps.lower.y),
-                                texel(taps.upper.x, taps.lower.y), taps.fraction.x);
-    const vec4 upper = glm::mix(texel(taps.lower.x, taps.upper.y),
-                                texel(taps.upper.x, taps.upper.y), taps.fraction.x);
-    return glm::mix(lower, upper, taps.fraction.y);
+// Twice its area.
+float area2Of(const Scene& scene, uint32_t triangle) {
+    const uvec3& t = scene.triangles[triangle];
+    const vec3& p0 = scene.positions[t.x];
+    return glm::length(glm::cross(scene.positions[t.y] - p0, scene.positions[t.z] - p0));
 }
 
 // Where each of a material's textures is looked up.
@@ -52,10 +28,26 @@ vec2 uvOf(const Scene& scene, uint32_t triangle, const vec3& barycentric, const 
         barycentric.x * uvs[t.x] + barycentric.y * uvs[t.y] + barycentric.z * uvs[t.z]);
 }
 
-vec4 texelAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
-             const TextureUse& use) {
-    return sampled(scene, scene.textures[static_cast<size_t>(use.texture)],
-                   uvOf(scene, triangle, barycentric, use));
+// `footprint_over_area2`: the area that the look stands for, of twice the triangle's; 0: a point.
+vec4 texelAt(const Scene& scene, uint32_t triangle, const vec3& barycentric, const TextureUse& use,
+             float footprint_over_area2 = 0.0f) {
+    const Texture& texture = scene.textures[static_cast<size_t>(use.texture)];
+    const TextureImage& image = scene.images[static_cast<size_t>(texture.image)];
+    float level = 0.0f;
+    if (footprint_over_area2 > 0.0f) {
+        const vec2 origin = uvOf(scene, triangle, vec3(1, 0, 0), use);
+        level = shared::textureLevel(
+            footprint_over_area2, uvOf(scene, triangle, vec3(0, 1, 0), use) - origin,
+            uvOf(scene, triangle, vec3(0, 0, 1), use) - origin, {image.width, image.height});
+    }
+    return sampled(image, texture, uvOf(scene, triangle, barycentric, use), level);
+}
+
+// What a look stands for, of twice the triangle's area: 0 unless its material has textures.
+float footprintOverArea2(const Scene& scene, uint32_t triangle, float footprint) {
+    return footprint > 0.0f && scene.materials[scene.materials_of[triangle]].textured()
+               ? footprint / area2Of(scene, triangle)
+               : 0.0f;
 }
 
 vec4 vertexColorAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
@@ -83,36 +75,8 @@ int emissionDivisions(const Scene& scene, uint32_t triangle, const TextureUse& u
 
 }  // namespace
 
-vec4 texelOf(const TextureImage& image, bool srgb, int x, int y) {
-    static const std::vector<float> of_bytes[] = {transferTable(256, false),
-                                                  transferTable(256, true)};
-    const size_t first = 4 * (static_cast<size_t>(y) * image.width + x);
-    if (!image.bytes.empty()) {
-        const uint8_t* stored = image.bytes.data() + first;
-        const std::vector<float>& color = of_bytes[srgb ? 1 : 0];
-        return {color[stored[0]], color[stored[1]], color[stored[2]], of_bytes[0][stored[3]]};
-    }
-    static const std::vector<float> of_words[] = {transferTable(65536, false),
-                                                  transferTable(65536, true)};
-    const uint16_t* stored = image.words.data() + first;
-    const std::vector<float>& color = of_words[srgb ? 1 : 0];
-    return {color[stored[0]], color[stored[1]], color[stored[2]], of_words[0][stored[3]]};
-}
-
-std::vector<vec4> linearTexels(const Scene& scene, const Texture& texture) {
-    const TextureImage& image = scene.images[static_cast<size_t>(texture.image)];
-    std::vector<vec4> texels;
-    texels.reserve(image.texelCount());
-    for (int y = 0; y < image.height; ++y) {
-        for (int x = 0; x < image.width; ++x) {
-            texels.push_back(texelOf(image, texture.srgb, x, y));
-        }
-    }
-    return texels;
-}
-
 ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
-                         const vec3& n_g, const vec3& wo) {
+                         const vec3& n_g, const vec3& wo, float footprint) {
     const uvec3& t = scene.triangles[triangle];
     const auto interpolated = [&](const auto& values) {
         return barycentric.x * values[t.x] + barycentric.y * values[t.y] +
@@ -125,19 +89,23 @@ ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& bary
     if (material.normal_texture.used() && !scene.tangents.empty()) {
         normals.mapped =
             shared::mappedNormal(n, interpolated(scene.tangents),
-                                 texelAt(scene, triangle, barycentric, material.normal_texture),
+                                 texelAt(scene, triangle, barycentric, material.normal_texture,
+                                         footprintOverArea2(scene, triangle, footprint)),
                                  material.normal_scale, n_g, wo);
     }
     return normals;
 }
 
-MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
+MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                          float footprint) {
     const Material& material = scene.materials[scene.materials_of[triangle]];
     MaterialParams params = material.params;
+    const float over_area2 = footprintOverArea2(scene, triangle, footprint);
     for (int use = 0; use < shared::TEXTURE_USES; ++use) {
         const TextureUse& texture = material.textures[static_cast<size_t>(use)];
         if (texture.used()) {
-            params = shared::withTexel(params, use, texelAt(scene, triangle, barycentric, texture));
+            params = shared::withTexel(params, use,
+                                       texelAt(scene, triangle, barycentric, texture, over_area2));
         }
     }
     if (!scene.colors.empty()) {
@@ -159,8 +127,9 @@ bool maybeSpecular(const Scene& scene, const Material& material) {
     if (!texture.used()) {
         return is_smooth(params.roughness);
     }
+    const Texture& looked_up = scene.textures[static_cast<size_t>(texture.texture)];
     const std::vector<vec4> texels =
-        linearTexels(scene, scene.textures[static_cast<size_t>(texture.texture)]);
+        linearTexels(scene.images[static_cast<size_t>(looked_up.image)], looked_up.srgb);
     return std::any_of(texels.begin(), texels.end(), [&](const vec4& texel) {
         return is_smooth(
             shared::withTexel(params, shared::TEXTURE_METALLIC_ROUGHNESS, texel).roughness);
@@ -180,7 +149,24 @@ bool anySpecular(const Scene& scene) {
     return false;
 }
 
-vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
+Layers layersAt(const Scene& scene, uint32_t triangle, const vec3& barycentric, float footprint) {
+    const Material& material = scene.materials[scene.materials_of[triangle]];
+    Layers layers = material.layers;
+    if (layers.none()) {
+        return layers;
+    }
+    const float over_area2 = footprintOverArea2(scene, triangle, footprint);
+    const auto texel = [&](const TextureUse& use) {
+        return use.used() ? texelAt(scene, triangle, barycentric, use, over_area2) : vec4(1.0f);
+    };
+    layers.coat *= texel(material.coat_texture).x;
+    layers.coat_roughness *= texel(material.coat_roughness_texture).y;
+    layers.fibre_color *= vec3(texel(material.fibre_color_texture));
+    layers.fibre_roughness *= texel(material.fibre_roughness_texture).w;
+    return layers;
+}
+
+vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric, float footprint) {
     const Material& material = scene.materials[scene.materials_of[triangle]];
     vec3 emission = material.params.emission;
     if (emission == vec3(0.0f)) {
@@ -188,7 +174,8 @@ vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) 
     }
     const TextureUse& texture = material.textures[shared::TEXTURE_EMISSION];
     if (texture.used()) {
-        emission *= vec3(texelAt(scene, triangle, barycentric, texture));
+        emission *= vec3(texelAt(scene, triangle, barycentric, texture,
+                                 footprintOverArea2(scene, triangle, footprint)));
     }
     if (material.unlit) {
         emission *= vec3(vertexColorAt(scene, triangle, barycentric));

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "core/math.h"
+#include "scene/layers.h"
 #include "scene/shared.h"
+#include "scene/texture.h"
 
 namespace sheen {
 
@@ -20,31 +22,6 @@ constexpr float kSpecularAlpha = 0.15f;
 
 /// Whether the specular lobe of a surface, if it has one, is specular in that sense.
 inline bool isSpecular(const Brdf& brdf) { return brdf.alpha < kSpecularAlpha; }
-
-/// An image as the file stores it, without any transfer function: [y][x][4], first row first, red,
-/// green, blue and alpha.
-struct TextureImage {
-    int width = 0;
-    int height = 0;
-    // One of the two is empty.
-    std::vector<uint8_t> bytes;   ///< of 255
-    std::vector<uint16_t> words;  ///< of 65535
-
-    size_t texelCount() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
-};
-
-/// A way to look an image up.
-struct Texture {
-    int image = 0;  ///< index into Scene::images
-    glm::ivec2 wrap{shared::WRAP_REPEAT};
-    bool nearest = false;  ///< not interpolated
-    bool srgb = false;     ///< colours are sRGB, not linear light; alpha never is
-
-    bool operator==(const Texture&) const = default;
-};
-
-/// A texel in linear light, with alpha.
-vec4 texelOf(const TextureImage& image, bool srgb, int x, int y);
 
 /// One of a material's textures.
 struct TextureUse {
@@ -67,6 +44,11 @@ struct Material {
     std::array<TextureUse, shared::TEXTURE_USES> textures;  ///< by what they are for
     TextureUse normal_texture = {};
     float normal_scale = 1.0f;
+    Layers layers = {};                      ///< factors, which these textures multiply
+    TextureUse coat_texture = {};            ///< red
+    TextureUse coat_roughness_texture = {};  ///< green
+    TextureUse fibre_color_texture = {};
+    TextureUse fibre_roughness_texture = {};  ///< alpha
     /// Shows its colour whatever the light: that is its emission, and it scatters nothing.
     bool unlit = false;
 
@@ -85,7 +67,8 @@ struct Material {
                 return true;
             }
         }
-        return normal_texture.used();
+        return normal_texture.used() || coat_texture.used() || coat_roughness_texture.used() ||
+               fibre_color_texture.used() || fibre_roughness_texture.used();
     }
     /// Whether some point of it may be missing.
     bool masked() const { return alpha_cutoff > 0.0f; }

@@ -30,15 +30,33 @@ const Camera& findCamera(const Scene& scene, const std::string& name) {
     throwUsage("--camera {}: no such camera; the scene has {}", name, known);
 }
 
-CameraRay cameraRay(const Camera& camera, int width, int height, float x, float y) {
+CameraRay cameraRay(const Camera& camera, int part_width, int part_height, float part_x,
+                    float part_y) {
+    const ivec2 whole = camera.wholeSize({part_width, part_height});
+    const auto width = static_cast<float>(whole.x);
+    const auto height = static_cast<float>(whole.y);
+    const float x = part_x + static_cast<float>(camera.window.first.x);
+    const float y = part_y + static_cast<float>(camera.window.first.y);
     const float tan_half = std::tan(0.5f * camera.y_fov);
-    const float aspect = static_cast<float>(width) / static_cast<float>(height);
-    const vec3 direction_camera(
-        (2.0f * (x + 0.5f) / static_cast<float>(width) - 1.0f) * tan_half * aspect,
-        (1.0f - 2.0f * (y + 0.5f) / static_cast<float>(height)) * tan_half, -1.0f);
+    const float aspect = width / height;
+    const vec3 direction_camera((2.0f * (x + 0.5f) / width - 1.0f) * tan_half * aspect,
+                                (1.0f - 2.0f * (y + 0.5f) / height) * tan_half, -1.0f);
     const vec3 way = mat3(camera.world_from_camera) * direction_camera;
     return {.origin = vec3(camera.world_from_camera[3]) + camera.near * way,
             .direction = glm::normalize(way)};
+}
+
+float pixelFootprint(const Camera& camera, int part_height, const vec3& position, const vec3& n_g) {
+    const int height = camera.wholeSize({0, part_height}).y;
+    const vec3 way = position - vec3(camera.world_from_camera[3]);
+    const float distance = glm::length(way);
+    if (!(distance > 0.0f)) {
+        return 0.0f;
+    }
+    const float width = 2.0f * std::tan(0.5f * camera.y_fov) / static_cast<float>(height);
+    const float along = std::abs(glm::dot(way, vec3(camera.world_from_camera[2]))) / distance;
+    return shared::footprintArea(width * width * along * along * along, distance,
+                                 glm::dot(n_g, way) / distance);
 }
 
 float surfaceOffset(const Scene& scene, uint32_t triangle, const vec3& position, const vec3& n_g,

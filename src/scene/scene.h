@@ -24,6 +24,15 @@ struct Camera {
     float y_fov = 0.9f;            ///< vertical field of view, radians
     float near = 0.0f;             ///< nothing nearer along the view is seen
     float aspect = 0.0f;           ///< width / height; 0: the image's
+    /// Of which larger image that is rendered is a part: where its first pixel lies there, and that
+    /// image's size; 0: it is all of it.
+    struct Window {
+        ivec2 first{0};
+        ivec2 whole{0};
+    } window = {};
+
+    /// Of an image of that size, or of the larger one that it is a part of.
+    ivec2 wholeSize(const ivec2& size) const { return window.whole.x > 0 ? window.whole : size; }
 };
 
 struct Scene {
@@ -110,28 +119,37 @@ const Camera& findCamera(const Scene& scene, const std::string& name);
 
 /// Ray through the centre of pixel (x, y) of an image, row 0 on top: origin and unit direction,
 /// world space. A camera's own aspect, where it has one and differs from the image's, is ignored:
-/// the vertical field of view is kept.
+/// the vertical field of view is kept. The same, bit for bit, of a part of an image as of all of
+/// it.
 struct CameraRay {
     vec3 origin;
     vec3 direction;
 };
 CameraRay cameraRay(const Camera& camera, int width, int height, float x, float y);
 
-/// The material at a point of a triangle, `barycentric` weighting its three vertices: textures (the
-/// full-resolution level) and all else that varies over the surface applied. Every pass asks here.
-MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+/// The area of a surface that a pixel of an image of `height` rows shows at `position`, where its
+/// unit geometric normal is n_g.
+float pixelFootprint(const Camera& camera, int height, const vec3& position, const vec3& n_g);
+
+/// The material at a point of a triangle, `barycentric` weighting its three vertices: textures and
+/// all else that varies over the surface applied. `footprint`: the area of the surface that the
+/// look stands for (shared::footprintArea()), over which textures are averaged; 0: the point alone,
+/// by the images as they are. Every pass asks here.
+MaterialParams materialAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                          float footprint = 0.0f);
+
+/// What lies on the surface there, likewise.
+Layers layersAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                float footprint = 0.0f);
 
 /// The shading normal at a point, unit, as shared::shadingNormal() has it: `n_g` and `wo` lie on
 /// one side. The smooth one, interpolated from the vertices, and the one that normal maps make of
-/// it; the same where there is none.
+/// it, averaged like materialAt()'s; the same where there is none.
 struct ShadingNormals {
     vec3 smooth, mapped;
 };
 ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
-                         const vec3& n_g, const vec3& wo);
-
-/// All texels of a texture, [y][x], in linear light.
-std::vector<vec4> linearTexels(const Scene& scene, const Texture& texture);
+                         const vec3& n_g, const vec3& wo, float footprint = 0.0f);
 
 /// Whether some point of some surface may be specular (isSpecular()), and reflect so. Texels are
 /// looked at, wherever on surfaces they lie.
@@ -140,7 +158,8 @@ bool anySpecular(const Scene& scene);
 bool maybeSpecular(const Scene& scene, const Material& material);
 
 /// What the point emits, nits: the emission of materialAt(), for less.
-vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                float footprint = 0.0f);
 
 /// What share of the light the surface stops, scatters or adds to at a point; the rest passes. 1
 /// without alpha; by a mask 0 or 1; where it is blended, its alpha.

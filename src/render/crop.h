@@ -1,0 +1,21 @@
+// A part of an image.
+#pragma once
+
+#include "render/render.h"
+
+namespace sheen {
+
+/// Pixels of an image: columns and rows from `first` on, as many as `size`.
+struct Crop {
+    ivec2 first{0};
+    ivec2 size{0};
+};
+
+/// Renders that part of the image that `params` describe; the frame is of the part's size. What is
+/// seen, direct light of punctual lights and all of the reference are the same as in the whole, bit
+/// for bit. What is found by chance or by records is not: they lie elsewhere, and it differs within
+/// the estimate. Some pixels around are rendered too, since edges, records and filters ask them.
+/// Usage error where the part does not lie in the image, and as Session::render().
+RenderResult renderPart(Session& session, const RenderParams& params, const Crop& crop);
+
+}  // namespace sheen
