@@ -27,6 +27,9 @@ constexpr float kWideLobe = 0.35f;
 // Where lamps fill more than this, steradians, as a luminous ceiling does, directions by the cosine
 // are followed besides: the ones toward lamps do not know it.
 constexpr float kLargeLamps = 0.6f;
+// And where they fill more than this they hide each other, as in a room of glowing walls: what they
+// bring without that is of no use.
+constexpr float kEverywhere = kPi;
 constexpr int kLookSamples = 8;  // that tell how much they fill
 
 // Steps of the R3 sequence, whose points fill a cube evenly, however many there are [Rob18].
@@ -64,12 +67,6 @@ class PixelLamps {
           wo_(glm::transpose(frame_) * point.side.toward_viewer) {
         const Brdf& brdf = point.surface.brdf;
         lobe_ = brdf.alpha < kWideLobe && luminance(brdf.f0) + brdf.f90 > 0.0f && wo_.z > 0.0f;
-        if (lamps.plain()) {
-            open_ = lamps.irradiance(point.side, point.surface.n) * brdf.diffuse / kPi;
-            if (brdf.f90 == 0.0f) {
-                return;  // nothing is left to follow
-            }
-        }
         float angle = 0.0f;
         for (uint32_t i = 0; i < kLookSamples; ++i) {
             const vec3 u(randomPlace(pixel, 4 + 2 * i), randomPlace(pixel, 5 + 2 * i).x);
@@ -77,6 +74,11 @@ class PixelLamps {
             angle += s ? 1.0f / (s->density * kLookSamples) : 0.0f;
         }
         large_ = angle > kLargeLamps;
+        known_ = lamps.plain() && angle < kEverywhere;
+        if (known_) {
+            open_ = lamps.irradiance(point.side, point.surface.n) * brdf.diffuse / kPi;
+            large_ = large_ && brdf.f90 > 0.0f;  // else nothing is left to follow
+        }
     }
 
     // Adds samples first to first + count of the pixel's sequence.
@@ -142,7 +144,7 @@ class PixelLamps {
             if (!s) {
                 continue;
             }
-            const bool known = lamps_.plain() && s->within_reach;
+            const bool known = known_ && s->within_reach;
             light[k] = over(s->density + followed(s->wi), s->wi, known) * s->radiance;
             ways[k] = s->way;
             tells[k] = s->within_reach && s->way.length > 0.0f;
@@ -185,7 +187,7 @@ class PixelLamps {
                 followed(directions[i]) +
                 lamps_.density(point_.side, point_.surface.n, hits[i], directions[i]);
             if (density > 0.0f) {
-                const bool known = lamps_.plain() && lamps_.withinReach(point_.side, hits[i]);
+                const bool known = known_ && lamps_.withinReach(point_.side, hits[i]);
                 light[of[i]] += over(density, directions[i], known) * lamps_.radiance(hits[i]);
             }
         }
@@ -247,6 +249,7 @@ class PixelLamps {
     vec3 open_{0.0f};     // scattered diffusely if nothing were in the way, where that is known
     bool lobe_ = false;   // followed
     bool large_ = false;  // lamps, so that the cosine is
+    bool known_ = false;  // what they bring where nothing is in the way
 };
 
 }  // namespace

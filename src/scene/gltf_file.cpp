@@ -259,7 +259,7 @@ double numberMember(const File& file, const tinygltf::Value& object, const std::
 int integerMember(const File& file, const tinygltf::Value& object, const std::string& key,
                   int fallback, const std::string& where) {
     const double number = numberMember(file, object, key, fallback, where);
-    if (!(std::abs(number) < 1e9)) {
+    if (!(std::abs(number) < 1e9) || number != std::trunc(number)) {
         file.fail(where, "{} is {} and must be a small integer", key, number);
     }
     return static_cast<int>(number);
