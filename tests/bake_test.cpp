@@ -1,6 +1,8 @@
 // What is baked, against closed forms and the reference.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "bake/seams.h"
 #include "core/parallel.h"
 #include "metrics/compare.h"

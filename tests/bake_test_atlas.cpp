@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "bake/charts.h"
 #include "test_bake.h"
@@ -58,6 +59,62 @@ TEST(Atlas, refusesTrianglesWithoutAreaAndFilesWithoutCoordinates) {
     EXPECT_TRUE(atlasOfFile(twoQuads({}), {.size = 16}, why).corners.empty());
     EXPECT_NE(why.find("none"), std::string::npos) << why;
     EXPECT_FALSE(atlasOf(twoQuads({}), {.size = 16}).of_file);
+}
+
+// In a corner of the square the file's coordinates would take more texels than there may be.
+TEST(Atlas, makesChartsWhereTheFilesCoordinatesAreTooSmall) {
+    const Scene scene =
+        twoQuads(both(square({0, 0}, {0.001f, 0.001f}), square({0.002f, 0}, {0.003f, 0.001f})));
+    std::string why;
+    EXPECT_TRUE(atlasOfFile(scene, {.texels_per_metre = 20.0f}, why).corners.empty());
+    EXPECT_NE(why.find("more than 8192"), std::string::npos) << why;
+    const Atlas atlas = atlasOf(scene, {.texels_per_metre = 20.0f});
+    EXPECT_FALSE(atlas.of_file);
+    EXPECT_EQ(atlas.size, 64);
+}
+
+TEST(Atlas, rowsOfATriangle) {
+    const std::array<vec2, 3> c = {vec2(1, 0), vec2(5, 2), vec2(1, 2)};
+    EXPECT_EQ(rowSpan(c, 0), glm::dvec2(1, 3));
+    EXPECT_EQ(rowSpan(c, 1), glm::dvec2(1, 5));
+    EXPECT_EQ(rowSpan(c, 2), glm::dvec2(1, 5));  // the edge alone
+    EXPECT_GT(rowSpan(c, 3).x, rowSpan(c, 3).y);
+    EXPECT_GT(rowSpan(c, -2).x, rowSpan(c, -2).y);
+}
+
+// A square, a sliver 100,000 times as long beside it, and 20,000 triangles a hundredth as long:
+// sizes as far apart as this take neither memory nor time.
+TEST(Atlas, chartsOfTrianglesOfAllSizes) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    const auto triangle = [&](const vec2& a, const vec2& b, const vec2& c) {
+        const auto first = static_cast<uint32_t>(scene.positions.size());
+        for (const vec2& p : {a, b, c}) {
+            addVertex(scene, vec3(p.x, 0, -p.y), vec3(0, 1, 0));
+        }
+        scene.triangles.emplace_back(first, first + 1, first + 2);
+        scene.materials_of.push_back(white);
+    };
+    const auto rectangle = [&](const vec2& a, const vec2& b) {
+        triangle(a, {b.x, a.y}, b);
+        triangle(a, b, {a.x, b.y});
+    };
+    rectangle({-1, -1}, {0, 0});
+    triangle({0, -1}, {1e-6f, 0}, {0, 0});
+    triangle({0, 0}, {1e-6f, 0}, {1e5f, 1e5f});
+    constexpr int kSide = 100;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const vec2 p(-2.0f + 0.01f * static_cast<float>(i % kSide),
+                     -1.0f + 0.01f * static_cast<float>(i / kSide));
+        rectangle(p, p + 0.01f);
+    }
+    std::vector<int> times(scene.triangles.size());
+    for (const Chart& chart : makeCharts(scene)) {
+        for (const uint32_t i : chart.triangles) {
+            ++times[i];
+        }
+    }
+    EXPECT_EQ(std::count(times.begin(), times.end(), 1), static_cast<long>(times.size()));
 }
 
 TEST(Atlas, saysHowManyTexelsWouldDo) {

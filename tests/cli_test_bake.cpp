@@ -20,6 +20,11 @@ TEST_F(CliBakeTest, writesWhatItIsAskedFor) {
     EXPECT_NE(info.out.find("MOZ_lightmap"), std::string::npos) << info.out;
     EXPECT_EQ(call("bake scene.gltf --size 32 -q --method texels -o b.exr").code, 0);
     EXPECT_EQ(call("compare a.exr b.exr").code, 0);
+    // Paths come in four replicates, and what is said is what was traced.
+    EXPECT_EQ(
+        call("bake scene.gltf --size 32 -q --method reference --spp 5 -o d.exr --json d.json").code,
+        0);
+    EXPECT_EQ(Json::parse(textOf(file("d.json"))).at("spp"), 8);
     // Its own coordinates will do.
     EXPECT_EQ(call("bake a.glb --environment 1,1,1 --size 32 -q -o c.exr --json c.json").code, 0);
     EXPECT_EQ(Json::parse(textOf(file("c.json"))).at("own_coordinates"), true);
@@ -33,6 +38,7 @@ TEST_F(CliBakeTest, refusesWhatCannotBe) {
     expectError("bake scene.gltf --size 16 --texels-per-metre 100 -o a.exr", ExitCode::kUsage,
                 "ask for at most");
     expectError("bake scene.gltf --unlit -o a.exr", ExitCode::kUsage, "no output is a .glb");
+    expectError("bake scene.gltf --transparent -o a.exr", ExitCode::kUsage, "--transparent");
     expectError("bake nothing.glb -o a.exr", ExitCode::kInput, "no such file");
     fs::create_symlink("scene.gltf", file("soft.glb"));
     expectError("bake scene.gltf -o soft.glb", ExitCode::kUsage, "would overwrite");

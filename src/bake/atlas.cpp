@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 
@@ -31,9 +32,11 @@ ivec2 texelsOf(const Chart& chart, double density) {
 // Where the charts lie at so many texels a unit, in order; empty where they do not fit.
 std::vector<ivec2> pack(const std::vector<Chart>& charts, double density, int size) {
     std::vector<stbrp_rect> rects(charts.size());
+    int64_t left = int64_t{size} * size;
     for (size_t i = 0; i < charts.size(); ++i) {
         const ivec2 texels = texelsOf(charts[i], density) + 2 * kPadding;
-        if (texels.x > size || texels.y > size) {
+        left -= int64_t{texels.x} * texels.y;
+        if (texels.x > size || texels.y > size || left < 0) {
             return {};
         }
         rects[i] = {.id = static_cast<int>(i),
@@ -138,13 +141,14 @@ std::string overlapIn(const Atlas& atlas) {
     for (size_t i = 0; i < atlas.corners.size(); ++i) {
         const std::array<vec2, 3>& c = atlas.corners[i];
         const double turn = doubleArea(c) < 0.0 ? -1.0 : 1.0;
-        const ivec2 last(atlas.size - 1);
-        const ivec2 lower =
-            glm::clamp(ivec2(glm::floor(glm::min(glm::min(c[0], c[1]), c[2]))), ivec2(0), last);
-        const ivec2 upper =
-            glm::clamp(ivec2(glm::floor(glm::max(glm::max(c[0], c[1]), c[2]))), ivec2(0), last);
-        for (int y = lower.y; y <= upper.y; ++y) {
-            for (int x = lower.x; x <= upper.x; ++x) {
+        const auto texel = [&](double v) {
+            return glm::clamp(static_cast<int>(std::floor(v)), 0, atlas.size - 1);
+        };
+        const int first = texel(std::min({c[0].y, c[1].y, c[2].y}));
+        const int last = texel(std::max({c[0].y, c[1].y, c[2].y}));
+        for (int y = first; y <= last; ++y) {
+            const glm::dvec2 span = rowSpan(c, y);
+            for (int x = texel(span.x); span.x <= span.y && x <= texel(span.y); ++x) {
                 bool inside = true;
                 for (size_t k = 0; k < 3; ++k) {
                     const glm::dvec2 a(c[k]), b(c[(k + 1) % 3]);
@@ -232,10 +236,10 @@ Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& wh
         }
         const double side = params.texels_per_metre * std::sqrt(in_scene / in_square);
         if (side > (params.size > 0 ? params.size : kLargestAtlas)) {
-            throwUsage(
-                "--texels-per-metre {}: takes {:.0f} x {:.0f} texels by the file's coordinates, "
-                "more than {}; ask for fewer",
-                params.texels_per_metre, side, side, params.size > 0 ? params.size : kLargestAtlas);
+            why = fmt::format("by them {} texels a metre take {:.0f} x {:.0f}, more than {}",
+                              params.texels_per_metre, side, side,
+                              params.size > 0 ? params.size : kLargestAtlas);
+            return {};
         }
         atlas.size = params.size > 0 ? params.size
                                      : std::max(static_cast<int>(std::ceil(side)), kLeastAtlas);
@@ -270,7 +274,8 @@ Atlas makeAtlas(const Scene& scene, const AtlasParams& params) {
     atlas.chart_of.resize(scene.triangles.size());
     for (size_t i = 0; i < charts.size(); ++i) {
         const glm::dvec2 scale =
-            glm::dvec2(texelsOf(charts[i], packing.density)) / charts[i].extent;
+            glm::dvec2(texelsOf(charts[i], packing.density)) /
+            glm::max(charts[i].extent, glm::dvec2(std::numeric_limits<float>::min()));
         for (size_t k = 0; k < charts[i].triangles.size(); ++k) {
             const uint32_t triangle = charts[i].triangles[k];
             atlas.chart_of[triangle] = static_cast<uint32_t>(i);

@@ -3,6 +3,7 @@
 // packed side by side.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -34,7 +35,7 @@ struct Atlas {
 
 /// By the scene's second texture coordinates. Where they will not do, `why` says so, and the result
 /// is empty: none, outside of the unit square, no area where the triangle has some, two triangles
-/// over one texel's middle. Usage error where the texels asked for would be too many.
+/// over one texel's middle, more texels than the atlas may have for those asked for.
 Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& why);
 
 /// By charts of its own. Usage error where they do not fit: it says how many texels would.
@@ -47,6 +48,26 @@ Atlas atlasOf(const Scene& scene, const AtlasParams& params);
 inline double doubleArea(const std::array<vec2, 3>& c) {
     return double{c[1].x - c[0].x} * double{c[2].y - c[0].y} -
            double{c[1].y - c[0].y} * double{c[2].x - c[0].x};
+}
+
+/// From where to where a triangle reaches within rows y to y + 1: x of its leftmost and rightmost
+/// points there; the first is greater where there are none.
+inline glm::dvec2 rowSpan(const std::array<vec2, 3>& c, int y) {
+    glm::dvec2 span(kInfinity, -kInfinity);
+    for (size_t k = 0; k < 3; ++k) {
+        const glm::dvec2 a(c[k]), b(c[(k + 1) % 3]);
+        const double lower = std::max(std::min(a.y, b.y), static_cast<double>(y));
+        const double upper = std::min(std::max(a.y, b.y), y + 1.0);
+        if (lower > upper) {
+            continue;
+        }
+        for (const double at : {lower, upper}) {
+            const double along = a.y == b.y ? 0.0 : glm::clamp((at - a.y) / (b.y - a.y), 0.0, 1.0);
+            const double x = a.x + along * (b.x - a.x);
+            span = {std::min(span.x, x), std::max(span.y, x)};
+        }
+    }
+    return span;
 }
 
 }  // namespace sheen

@@ -172,6 +172,7 @@ void bakeByPaths(const Tracer& tracer, const Lightmap& map, const BakeParams& pa
         baked.frame.direct_variance = std::move(traced.frame.direct_variance);
     }
     baked.stats.seconds_trace = traced.seconds;
+    baked.stats.spp = traced.spp;
 }
 
 }  // namespace

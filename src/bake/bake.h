@@ -28,6 +28,7 @@ struct BakeParams {
 struct BakeStats {
     int records = 0;    ///< hemispheres gathered
     int uncovered = 0;  ///< texels that no record serves: 0 where numbers are sound
+    int spp = 0;        ///< paths a texel of the reference, rounded up to whole replicates
     double seconds_lights = 0, seconds_direct = 0, seconds_place = 0, seconds_gather = 0,
            seconds_interpolate = 0, seconds_trace = 0;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <unordered_map>
@@ -19,7 +20,8 @@ using Corners = std::array<dvec2, 3>;
 // Of the chart's first triangle and any other: texels are then a quarter longer at the most than
 // they are wide.
 constexpr float kLeastCosine = 0.8f;
-// Triangles may lie over each other by so much of the smaller one's size: rounding.
+// Triangles may reach into each other by so much of the longer side of the rectangle around the
+// smaller one: rounding.
 constexpr double kTouch = 1e-5;
 
 double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
@@ -40,60 +42,105 @@ double reachInto(const Corners& a, const Corners& b) {
     return least;
 }
 
-double smallerSide(const Corners& c) {
-    const dvec2 lower = glm::min(glm::min(c[0], c[1]), c[2]);
-    const dvec2 upper = glm::max(glm::max(c[0], c[1]), c[2]);
-    return std::max(upper.x - lower.x, upper.y - lower.y);
-}
+struct Box {
+    dvec2 lower, upper;
+
+    explicit Box(const Corners& c)
+        : lower(glm::min(glm::min(c[0], c[1]), c[2])),
+          upper(glm::max(glm::max(c[0], c[1]), c[2])) {}
+    double side() const { return std::max(upper.x - lower.x, upper.y - lower.y); }
+    bool meets(const Box& other) const {
+        return lower.x < other.upper.x && other.lower.x < upper.x && lower.y < other.upper.y &&
+               other.lower.y < upper.y;
+    }
+};
 
 bool overlap(const Corners& a, const Corners& b) {
-    const double touch = kTouch * std::min(smallerSide(a), smallerSide(b));
+    const Box around_a(a), around_b(b);
+    if (!around_a.meets(around_b)) {
+        return false;
+    }
+    const double touch = kTouch * std::min(around_a.side(), around_b.side());
     return reachInto(a, b) > touch && reachInto(b, a) > touch;
 }
 
-// Triangles of a chart as they are laid flat, found by where they lie.
+// Triangles of a chart as they are laid flat, found by where they lie. Each is kept in a grid whose
+// cells are as large as itself, within a factor of two, so that it lies in four of them at the
+// most: however sizes differ, none fills many cells, and no cell holds many of much less than its
+// size.
 class Flat {
   public:
-    explicit Flat(double cell) : cell_(cell) {}
-
     bool free(const Corners& c) const {
-        bool is_free = true;
-        forCells(c, [&](int64_t key) {
-            const auto found = cells_.find(key);
-            if (!is_free || found == cells_.end()) {
-                return;
+        const Box box(c);
+        for (const auto& [level, grid] : grids_) {
+            if (!free(c, cellsOf(box, level), grid)) {
+                return false;
             }
-            for (const uint32_t i : found->second) {
-                is_free = is_free && !overlap(c, placed_[i]);
-            }
-        });
-        return is_free;
+        }
+        return true;
     }
     void add(const Corners& c) {
-        forCells(
-            c, [&](int64_t key) { cells_[key].push_back(static_cast<uint32_t>(placed_.size())); });
+        const Box box(c);
+        const int level = levelOf(box);
+        const auto index = static_cast<uint32_t>(placed_.size());
+        Grid& grid = grids_[level];
+        grid.all.push_back(index);
+        const Cells cells = cellsOf(box, level);
+        for (int64_t y = cells.lower[1]; y <= cells.upper[1]; ++y) {
+            for (int64_t x = cells.lower[0]; x <= cells.upper[0]; ++x) {
+                grid.cells[keyOf(x, y)].push_back(index);
+            }
+        }
         placed_.push_back(c);
     }
 
   private:
-    template <class F>
-    void forCells(const Corners& c, const F& body) const {
+    struct Grid {
+        std::vector<uint32_t> all;
+        std::unordered_map<int64_t, std::vector<uint32_t>> cells;
+    };
+    struct Cells {
+        std::array<int64_t, 2> lower, upper;
+        double count() const {
+            return static_cast<double>(upper[0] - lower[0] + 1) *
+                   static_cast<double>(upper[1] - lower[1] + 1);
+        }
+    };
+
+    static int levelOf(const Box& box) {
+        return std::ilogb(std::max(box.side(), std::numeric_limits<double>::min())) + 1;
+    }
+    static Cells cellsOf(const Box& box, int level) {
         constexpr double kFarthest = 1e9;
-        const dvec2 lower = glm::min(glm::min(c[0], c[1]), c[2]) / cell_;
-        const dvec2 upper = glm::max(glm::max(c[0], c[1]), c[2]) / cell_;
-        const auto at = [](double v) {
-            return static_cast<int64_t>(std::floor(glm::clamp(v, -kFarthest, kFarthest)));
+        const double cell = std::ldexp(1.0, level);
+        const auto at = [&](double v) {
+            return static_cast<int64_t>(std::floor(glm::clamp(v / cell, -kFarthest, kFarthest)));
         };
-        for (int64_t y = at(lower.y); y <= at(upper.y); ++y) {
-            for (int64_t x = at(lower.x); x <= at(upper.x); ++x) {
-                body(y * (int64_t{1} << 32) + x);
+        return {{at(box.lower.x), at(box.lower.y)}, {at(box.upper.x), at(box.upper.y)}};
+    }
+    static int64_t keyOf(int64_t x, int64_t y) { return y * (int64_t{1} << 32) + x; }
+
+    bool free(const Corners& c, const std::vector<uint32_t>& others) const {
+        return std::none_of(others.begin(), others.end(),
+                            [&](uint32_t i) { return overlap(c, placed_[i]); });
+    }
+    bool free(const Corners& c, const Cells& cells, const Grid& grid) const {
+        if (cells.count() > static_cast<double>(grid.all.size()) + 4.0) {
+            return free(c, grid.all);  // it is larger than all that is there together
+        }
+        for (int64_t y = cells.lower[1]; y <= cells.upper[1]; ++y) {
+            for (int64_t x = cells.lower[0]; x <= cells.upper[0]; ++x) {
+                const auto found = grid.cells.find(keyOf(x, y));
+                if (found != grid.cells.end() && !free(c, found->second)) {
+                    return false;
+                }
             }
         }
+        return true;
     }
 
-    double cell_;
     std::vector<Corners> placed_;
-    std::unordered_map<int64_t, std::vector<uint32_t>> cells_;
+    std::map<int, Grid> grids_;  // by the cells' size: a power of two
 };
 
 struct Grower {
@@ -141,7 +188,7 @@ struct Grower {
             chart.corners.push_back(c);
         };
         const Corners own = flat(first, frame);
-        Flat laid(smallerSide(own));
+        Flat laid;
         laid.add(own);
         add(first, own);
         for (size_t at = 0; at < chart.triangles.size(); ++at) {

@@ -71,7 +71,7 @@ EncodedLight encodeIrradiance(const Lightmap& map, const Image<vec3>& irradiance
 EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<vec3>& irradiance) {
     const Receivers& receivers = map.receivers;
     Image<vec3> radiance(irradiance.width, irradiance.height);
-    Image<float> alpha(irradiance.width, irradiance.height, 1.0f);
+    Image<vec3> coverage(irradiance.width, irradiance.height, vec3(1.0f));
     parallelFor(irradiance.height, [&](int y) {
         for (int x = 0; x < irradiance.width; ++x) {
             const size_t i = receivers.image.index(x, y);
@@ -81,14 +81,22 @@ EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<ve
             const uint32_t triangle = receivers.triangles[i];
             const vec3 at = barycentricOf(scene, triangle, receivers.positions[i]);
             const MaterialParams material = materialAt(scene, triangle, at);
-            const Brdf brdf = shared::makeBrdf(material, brdfAlbedo(1.0f, material.roughness));
+            const Layers layers = layersAt(scene, triangle, at);
+            Brdf brdf =
+                underLayers(shared::makeBrdf(material, brdfAlbedo(1.0f, material.roughness)),
+                            layers, 1.0f, 1.0f);
+            brdf.diffuse += coatAlbedo(layers, 1.0f);
             const vec3 specular = specularAlbedo(1.0f, material.roughness, brdf.f0, brdf.f90);
             radiance.pixels[i] =
                 (brdf.diffuse + specular) * irradiance.pixels[i] / kPi + material.emission;
-            alpha.pixels[i] = coverageAt(scene, triangle, at);
+            coverage.pixels[i] = vec3(coverageAt(scene, triangle, at));
         }
     });
     dilate(map, radiance);
+    dilate(map, coverage);
+    Image<float> alpha(irradiance.width, irradiance.height);
+    std::transform(coverage.pixels.begin(), coverage.pixels.end(), alpha.pixels.begin(),
+                   [](const vec3& c) { return c.x; });
     const Image<Rgb8> colors = displayImage(radiance, std::nullopt, ToneCurve::kNone);
     const bool opaque =
         std::all_of(alpha.pixels.begin(), alpha.pixels.end(), [](float a) { return a == 1.0f; });

@@ -19,8 +19,8 @@ struct EncodedLight {
 EncodedLight encodeIrradiance(const Lightmap& map, const Image<vec3>& irradiance);
 
 /// What the surfaces send out by it, as sRGB colours for unlit materials, exposed as a PNG of a
-/// render is and clipped; what they would mirror is spread over all directions. Alpha is that of
-/// the material.
+/// render is and clipped; what they and their coats would mirror is spread over all directions.
+/// Alpha is that of the material.
 EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<vec3>& irradiance);
 
 }  // namespace sheen

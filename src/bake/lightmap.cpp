@@ -1,7 +1,9 @@
 #include "bake/lightmap.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -98,19 +100,20 @@ struct Maker {
         const int size = map.atlas.size;
         map.triangles = Image<uint32_t>(size, size, kNoPrimitive);
         distances.assign(map.triangles.pixels.size(), kInfinity);
+        const auto texel = [&](double v) {
+            return glm::clamp(static_cast<int>(std::floor(v)), 0, size - 1);
+        };
         for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
             const Flat flat(map.atlas.corners[i]);
             if (flat.lost()) {
                 continue;
             }
-            const dvec2 least =
-                glm::min(glm::min(flat.corners[0], flat.corners[1]), flat.corners[2]);
-            const dvec2 most =
-                glm::max(glm::max(flat.corners[0], flat.corners[1]), flat.corners[2]);
-            const ivec2 lower = glm::clamp(ivec2(glm::floor(least)), ivec2(0), ivec2(size - 1));
-            const ivec2 upper = glm::clamp(ivec2(glm::floor(most)), ivec2(0), ivec2(size - 1));
-            for (int y = lower.y; y <= upper.y; ++y) {
-                for (int x = lower.x; x <= upper.x; ++x) {
+            const std::array<vec2, 3>& c = map.atlas.corners[i];
+            const int first = texel(std::min({c[0].y, c[1].y, c[2].y}));
+            const int last = texel(std::max({c[0].y, c[1].y, c[2].y}));
+            for (int y = first; y <= last; ++y) {
+                const dvec2 span = rowSpan(c, y);
+                for (int x = texel(span.x); span.x <= span.y && x <= texel(span.y); ++x) {
                     offer(i, flat, x, y);
                 }
             }

@@ -1,6 +1,8 @@
 #include "bake/solids.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -92,9 +94,8 @@ Solids::Solids(const Tracer& tracer) : tracer_(tracer) {
     }
     room_.resize(parts_);
     for (const vec3& p : stands) {
-        const std::vector<bool> met = metFromWithin(p);
-        for (uint32_t i = 0; i < parts_; ++i) {
-            room_[i] = room_[i] || met[i];
+        if (const std::optional<uint32_t> part = metFromWithin(p)) {
+            room_[*part] = true;
         }
     }
     solid_.resize(scene.triangles.size());
@@ -105,8 +106,8 @@ Solids::Solids(const Tracer& tracer) : tracer_(tracer) {
     }
 }
 
-// Which parts most rays from a point meet from behind.
-std::vector<bool> Solids::metFromWithin(const vec3& from) const {
+// The part that most rays from a point meet from behind, if there is one.
+std::optional<uint32_t> Solids::metFromWithin(const vec3& from) const {
     std::array<vec3, kRays> directions;
     for (uint32_t i = 0; i < kRays; ++i) {
         const vec2 u = randomPlace(i, 0);
@@ -115,17 +116,19 @@ std::vector<bool> Solids::metFromWithin(const vec3& from) const {
     }
     std::array<Hit, kRays> hits;
     tracer_.meet({.origin = from, .directions = directions}, hits.data());
-    std::vector<int> met(parts_);
     for (const Hit& hit : hits) {
-        if (hit.found() && hit.back) {
-            ++met[part_of_[hit.triangle]];
+        if (!hit.found() || !hit.back) {
+            continue;
+        }
+        const uint32_t part = part_of_[hit.triangle];
+        const auto met = std::count_if(hits.begin(), hits.end(), [&](const Hit& other) {
+            return other.found() && other.back && part_of_[other.triangle] == part;
+        });
+        if (2 * met > kRays) {
+            return part;
         }
     }
-    std::vector<bool> most(parts_);
-    for (size_t i = 0; i < most.size(); ++i) {
-        most[i] = 2 * met[i] > kRays;
-    }
-    return most;
+    return std::nullopt;
 }
 
 bool Solids::bury(const SurfaceSide& p, const vec3& normal) const {

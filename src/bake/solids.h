@@ -3,6 +3,7 @@
 // nothing is seen but the back of one connected surface, as under a box without a bottom.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "rays/surface_point.h"
@@ -22,7 +23,7 @@ class Solids {
 
   private:
     std::vector<bool> closedParts(const std::vector<uint32_t>& places) const;
-    std::vector<bool> metFromWithin(const vec3& from) const;
+    std::optional<uint32_t> metFromWithin(const vec3& from) const;
 
     const Tracer& tracer_;
     std::vector<uint32_t> part_of_;  // [triangle]: connected surfaces

@@ -1,9 +1,12 @@
 // sheen bake: a scene's light into a lightmap.
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "bake/encode.h"
 #include "bake/seams.h"
@@ -102,7 +105,7 @@ Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, con
                  {"change_across_seams", seams.across},
                  {"change_within_charts", seams.within}};
     if (paths) {
-        json["spp"] = o.params.spp;
+        json["spp"] = s.spp;
     } else {
         json["accuracy"] = o.params.accuracy;
         json["records"] = s.records;
@@ -128,7 +131,7 @@ void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, co
     fmt::print("texels      {} covered, {} of them buried, {} moved out of what buries them\n",
                map.covered, map.buried, map.pushed);
     if (o.params.method == BakeMethod::kReference) {
-        fmt::print("paths       {} a texel\n", o.params.spp);
+        fmt::print("paths       {} a texel\n", baked.stats.spp);
     } else {
         fmt::print("records     {}: {:.2f}% of the texels\n", baked.stats.records,
                    100.0 * baked.stats.records / std::max(1, map.covered - map.buried));
@@ -146,10 +149,11 @@ void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, co
         s.seconds_interpolate, s.seconds_trace);
 }
 
-void writeBakedScene(const BakeOptions& o, const std::string& path, const Scene& scene,
-                     const Lightmap& map, const Image<vec3>& irradiance) {
+// The scene's file with the lightmap, which has no image yet.
+LightmapFile fileOf(const BakeOptions& o, const Lightmap& map) {
     LightmapFile file{.source = o.scene,
                       .corners = map.atlas.corners,
+                      .of_file = map.atlas.of_file,
                       .png = {},
                       .unlit = o.unlit,
                       .lights_baked = o.unlit || !o.params.indirect_only};
@@ -158,6 +162,12 @@ void writeBakedScene(const BakeOptions& o, const std::string& path, const Scene&
             corner /= static_cast<float>(map.atlas.size);
         }
     }
+    return file;
+}
+
+void writeBakedScene(const BakeOptions& o, const std::string& path, const Scene& scene,
+                     const Lightmap& map, const Image<vec3>& irradiance) {
+    LightmapFile file = fileOf(o, map);
     const EncodedLight encoded =
         o.unlit ? encodeUnlit(scene, map, irradiance) : encodeIrradiance(map, irradiance);
     file.png = encoded.png;
@@ -200,6 +210,11 @@ ExitCode runBake(BakeOptions& o) {
     checkOutputs(files, scene.files);
     const Tracer tracer(scene);
     const Lightmap map = lightmapOf(tracer, atlasOf(scene, o.atlas));
+    if (std::any_of(o.outputs.begin(), o.outputs.end(), [](const std::string& output) {
+            return bakedKind(output) == BakedKind::kGlb;
+        })) {
+        checkLightmapped(scene, fileOf(o, map));
+    }
     const Baked baked = bake(tracer, map, o.params);
     writeOutputs(o, scene, map, baked);
     if (baked.stats.uncovered > 0) {
@@ -261,6 +276,7 @@ void addBakeMethodOptions(CLI::App& app, BakeOptions& o) {
     app.add_flag("--unlit", o.unlit,
                  ".glb: light and colours in one image, for viewers that know no lightmaps");
     addEnvironmentOptions(app, o.load.environment);
+    app.remove_option(app.get_option("--transparent"));  // no image shows a sky
     app.add_option("--threads", o.threads, "Threads to use; 0: one a hardware thread")
         ->check(numberIn(0, 256))
         ->capture_default_str();

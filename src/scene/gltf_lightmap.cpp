@@ -7,27 +7,20 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <string>
 #include <tuple>
+#include <vector>
 
-#include "image/atomic_file.h"
+#include "core/memory.h"
+#include "scene/gltf_edit.h"
 #include "scene/gltf_parts.h"
 #include "scene/lightmap_file.h"
 
 namespace sheen {
 namespace gltf {
 namespace {
-
-using Json = nlohmann::json;
-
-// The document's array of that name, made where it is not.
-Json& arrayIn(Json& object, const char* key) {
-    Json& array = object[key];
-    if (!array.is_array()) {
-        array = Json::array();
-    }
-    return array;
-}
 
 // A triangle's corner: the primitive's vertex and its place in the atlas.
 using Corner = std::tuple<uint32_t, float, float>;
@@ -42,7 +35,8 @@ class Writer {
         document_ = Json::parse(jsonOf(lightmap.source));
     }
 
-    void write(const std::string& path) {
+    // All of what is to be written.
+    void make() {
         takeBuffers();
         takeImages();
         chooseSet();
@@ -59,16 +53,39 @@ class Writer {
         for (const int material : used_materials_) {
             setMaterial(arrayIn(document_, "materials")[static_cast<size_t>(material)], texture);
         }
-        use(lightmap_.unlit ? "KHR_materials_unlit" : "MOZ_lightmap");
+        useExtension(document_, lightmap_.unlit ? "KHR_materials_unlit" : "MOZ_lightmap");
         if (lightmap_.lights_baked) {
-            dropLights();
+            dropExtension(document_, "nodes", "KHR_lights_punctual");
         }
-        writeGlb(path);
+        if (!scene_.environment.empty()) {
+            dropExtension(document_, "scenes", "EXT_lights_image_based");
+        }
+        bytes_.resize((bytes_.size() + 3) / 4 * 4);
+        document_["buffers"] = Json::array({{{"byteLength", bytes_.size()}}});
+        text_ = document_.dump();
+        text_.resize((text_.size() + 3) / 4 * 4, ' ');
+        checkSize(bytes_.size());
     }
 
+    void write(const std::string& path) const { writeGlb(path, text_, bytes_); }
+
   private:
+    // Of what the buffer is to hold, before it does.
+    void checkSize(uint64_t bytes) const {
+        if (kGlbHeaders + text_.size() + bytes > std::numeric_limits<uint32_t>::max()) {
+            throwInput(
+                "{}: with a lightmap it has more than 4 GiB, which .glb cannot hold; split "
+                "the scene",
+                lightmap_.source);
+        }
+        if (bytes > bytes_.capacity()) {
+            checkMemory({.bytes = 2 * bytes}, lightmap_.source, "split the scene");
+        }
+    }
+
     // Appends bytes as a view of their own; its index.
     size_t addView(const void* data, size_t size) {
+        checkSize(uint64_t{bytes_.size()} + 8 + size);
         bytes_.resize((bytes_.size() + 7) / 8 * 8);
         Json view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", size}};
         const auto* first = static_cast<const unsigned char*>(data);
@@ -78,9 +95,16 @@ class Writer {
         return views.size() - 1;
     }
 
-    // Each view's bytes, decompressed, one after the other.
+    // Each view's bytes, decompressed, one after the other: those of views that overlap more than
+    // once.
     void takeBuffers() {
         Json views = arrayIn(document_, "bufferViews");
+        uint64_t size = 0;
+        for (size_t i = 0; i < views.size(); ++i) {
+            size += 8 + bufferViewBytes(file_, static_cast<int>(i), "bufferViews").size;
+        }
+        checkSize(size);
+        bytes_.reserve(size);
         document_["bufferViews"] = Json::array();
         for (size_t i = 0; i < views.size(); ++i) {
             const ByteSpan bytes = bufferViewBytes(file_, static_cast<int>(i), "bufferViews");
@@ -98,7 +122,7 @@ class Writer {
             }
         }
         for (const char* name : kCompressions) {
-            forget(name);
+            forgetExtension(document_, name);
         }
     }
 
@@ -124,25 +148,26 @@ class Writer {
     // The second set of coordinates or, where materials have textures by that, the next one that no
     // mesh has.
     void chooseSet() {
-        bool second_is_used = false;
-        for (const Material& material : scene_.materials) {
-            for (const TextureUse& use : material.textures) {
-                second_is_used = second_is_used || (use.used() && use.uv_set > 0);
-            }
-            for (const TextureUse& use : {material.normal_texture, material.alpha_texture}) {
-                second_is_used = second_is_used || (use.used() && use.uv_set > 0);
-            }
-        }
         set_ = 1;
-        if (!second_is_used || lightmap_.unlit) {
+        if (lightmap_.of_file || lightmap_.unlit ||
+            !usesLaterSets(arrayIn(document_, "materials"))) {
             return;
         }
+        std::set<std::string> names;
         for (const tinygltf::Mesh& mesh : file_.model.meshes) {
             for (const tinygltf::Primitive& primitive : mesh.primitives) {
-                while (primitive.attributes.count(setName()) > 0) {
-                    ++set_;
+                for (const auto& [name, accessor] : primitive.attributes) {
+                    names.insert(name);
                 }
             }
+        }
+        while (names.count(setName()) > 0) {
+            ++set_;
+        }
+        constexpr int kMostSets = 16;
+        if (set_ >= kMostSets) {
+            file_.fail("meshes", "have {} sets of texture coordinates; leave out those unused",
+                       set_);
         }
     }
     std::string setName() const { return fmt::format("TEXCOORD_{}", set_); }
@@ -218,16 +243,18 @@ class Writer {
             attributes.erase("COLOR_0");
         }
         for (auto& [name, accessor] : attributes.items()) {
-            accessor = addGathered(accessor.get<int>(), sources, where);
+            accessor = addGathered(accessor, sources, where);
         }
         for (Json& target : arrayIn(primitive, "targets")) {
+            target.erase(setName());
             for (auto& [name, accessor] : target.items()) {
-                accessor = addGathered(accessor.get<int>(), sources, where);
+                accessor = addGathered(accessor, sources, where);
             }
         }
         if (primitive["targets"].empty()) {
             primitive.erase("targets");
         }
+        fillSets(attributes, sources.size());
         attributes[setName()] = addAccessor(coordinates.data(), 2 * sizeof(float), sources.size(),
                                             TINYGLTF_COMPONENT_TYPE_FLOAT, "VEC2");
         primitive["indices"] = addAccessor(indices.data(), sizeof(uint32_t), indices.size(),
@@ -236,7 +263,37 @@ class Writer {
         if (!primitive.contains("material")) {
             primitive["material"] = defaultMaterial();
         }
-        used_materials_.insert(primitive["material"].get<int>());
+        const int material = indexFrom(primitive["material"], where, "material");
+        if (static_cast<size_t>(material) >= document_["materials"].size()) {
+            file_.fail(where, "has no material {}; export the file again", material);
+        }
+        used_materials_.insert(material);
+    }
+
+    // Sets are numbered without gaps: zeros where a mesh lacks one before the lightmap's, which is
+    // what its textures are looked up by in any case.
+    void fillSets(Json& attributes, size_t count) {
+        std::optional<size_t> zeros;
+        for (int set = 0; set < set_; ++set) {
+            const std::string name = fmt::format("TEXCOORD_{}", set);
+            if (attributes.contains(name)) {
+                continue;
+            }
+            if (!zeros) {
+                const std::vector<vec2> values(count, vec2(0.0f));
+                zeros = addAccessor(values.data(), sizeof(vec2), count,
+                                    TINYGLTF_COMPONENT_TYPE_FLOAT, "VEC2");
+            }
+            attributes[name] = *zeros;
+        }
+    }
+
+    int indexFrom(const Json& value, const std::string& where, const char* kind) const {
+        const int64_t index = value.is_number_integer() ? value.get<int64_t>() : -1;
+        if (index < 0 || index > std::numeric_limits<int>::max()) {
+            file_.fail(where, "{} {} is no index; export the file again", kind, value.dump());
+        }
+        return static_cast<int>(index);
     }
 
     int defaultMaterial() {
@@ -260,13 +317,25 @@ class Writer {
     }
 
     // An accessor of the elements of another one, in that order.
-    size_t addGathered(int accessor, const std::vector<uint32_t>& elements,
+    size_t addGathered(const Json& from, const std::vector<uint32_t>& elements,
                        const std::string& where) {
+        const int accessor = indexFrom(from, where, "accessor");
         const std::vector<double> numbers = readNumbers(file_, accessor, where);
         const auto components = static_cast<size_t>(accessorComponents(file_, accessor, where));
         const int type = file_.model.accessors[static_cast<size_t>(accessor)].componentType;
         const auto size =
             static_cast<size_t>(tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(type)));
+        if (type < TINYGLTF_COMPONENT_TYPE_BYTE || type > TINYGLTF_COMPONENT_TYPE_FLOAT) {
+            file_.fail(where, "accessor {}: componentType {} is none that vertices have", accessor,
+                       type);
+        }
+        const size_t last = *std::max_element(elements.begin(), elements.end());
+        if (numbers.size() / components <= last) {
+            file_.fail(where,
+                       "accessor {} has {} elements, but the primitive has a vertex {}; export the "
+                       "file again",
+                       accessor, numbers.size() / components, last);
+        }
         // Elements of vertices begin at multiples of four.
         const size_t stride = (size * components + 3) / 4 * 4;
         std::vector<unsigned char> bytes(stride * elements.size());
@@ -274,7 +343,7 @@ class Writer {
         std::vector<double> most(components, -std::numeric_limits<double>::infinity());
         for (size_t i = 0; i < elements.size(); ++i) {
             for (size_t c = 0; c < components; ++c) {
-                const double value = numbers.at(elements[i] * components + c);
+                const double value = numbers[elements[i] * components + c];
                 least[c] = std::min(least[c], value);
                 most[c] = std::max(most[c], value);
                 store(value, type, &bytes[i * stride + c * size]);
@@ -318,6 +387,11 @@ class Writer {
     void setMaterial(Json& material, int texture) {
         const Json use = {{"index", texture}, {"texCoord", set_}};
         if (!lightmap_.unlit) {
+            if (material.contains("extensions") &&
+                material["extensions"].contains("KHR_materials_unlit")) {
+                material["extensions"].erase("MOZ_lightmap");
+                return;  // no light changes it
+            }
             Json extension = use;
             extension["intensity"] = lightmap_.intensity;
             material["extensions"]["MOZ_lightmap"] = std::move(extension);
@@ -332,73 +406,6 @@ class Writer {
             {"baseColorTexture", use}, {"metallicFactor", 0}, {"roughnessFactor", 1}};
     }
 
-    void dropLights() {
-        for (Json& node : arrayIn(document_, "nodes")) {
-            dropExtension(node, "KHR_lights_punctual");
-        }
-        dropExtension(document_, "KHR_lights_punctual");
-        forget("KHR_lights_punctual");
-    }
-    static void dropExtension(Json& object, const char* name) {
-        if (object.contains("extensions")) {
-            object["extensions"].erase(name);
-            if (object["extensions"].empty()) {
-                object.erase("extensions");
-            }
-        }
-    }
-
-    void use(const char* extension) {
-        Json& used = arrayIn(document_, "extensionsUsed");
-        if (std::find(used.begin(), used.end(), extension) == used.end()) {
-            used.push_back(extension);
-        }
-    }
-    void forget(const char* extension) {
-        for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
-            if (!document_.contains(list)) {
-                continue;
-            }
-            Json& names = document_[list];
-            names.erase(std::remove(names.begin(), names.end(), extension), names.end());
-            if (names.empty()) {
-                document_.erase(list);
-            }
-        }
-    }
-
-    void writeGlb(const std::string& path) {
-        constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJson = 0x4e4f534a, kBin = 0x004e4942;
-        bytes_.resize((bytes_.size() + 3) / 4 * 4);
-        document_["buffers"] = Json::array({{{"byteLength", bytes_.size()}}});
-        std::string text = document_.dump();
-        text.resize((text.size() + 3) / 4 * 4, ' ');
-        constexpr uint64_t kHeaders = 12 + 8 + 8;
-        const uint64_t size = kHeaders + text.size() + bytes_.size();
-        if (size > std::numeric_limits<uint32_t>::max()) {
-            throwInput(
-                "{}: with a lightmap it has more than 4 GiB, which .glb cannot hold; split "
-                "the scene",
-                lightmap_.source);
-        }
-        AtomicFile out(path);
-        const auto word = [&](uint64_t value) {
-            for (int i = 0; i < 4; ++i) {
-                const auto byte = static_cast<char>(value >> (8 * i) & 0xff);
-                out.write(&byte, 1);
-            }
-        };
-        for (const uint64_t value :
-             {uint64_t{kMagic}, uint64_t{kVersion}, size, uint64_t{text.size()}, uint64_t{kJson}}) {
-            word(value);
-        }
-        out.write(text);
-        word(bytes_.size());
-        word(kBin);
-        out.write(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
-        out.commit();
-    }
-
     static constexpr const char* kCompressions[] = {"EXT_meshopt_compression",
                                                     "KHR_meshopt_compression"};
 
@@ -407,18 +414,35 @@ class Writer {
     File file_;
     Json document_;
     std::vector<unsigned char> bytes_;
+    std::string text_;
     int set_ = 1;
     int default_material_ = -1;
     std::set<int> used_materials_;
 };
 
+Writer madeOf(const Scene& scene, const LightmapFile& lightmap) {
+    SHEEN_CHECK_EQ(scene.source_corners.size(), scene.triangles.size());
+    SHEEN_CHECK_EQ(lightmap.corners.size(), scene.triangles.size());
+    try {
+        Writer writer(scene, lightmap);
+        writer.make();
+        return writer;
+    } catch (const Json::exception& error) {
+        // What the loader has no use for it does not look at.
+        throwInput("{}: some part of it is not as glTF has it, {}; export it again",
+                   lightmap.source, error.what());
+    }
+}
+
 }  // namespace
 }  // namespace gltf
 
+void checkLightmapped(const Scene& scene, const LightmapFile& lightmap) {
+    gltf::madeOf(scene, lightmap);
+}
+
 void writeLightmapped(const std::string& path, const Scene& scene, const LightmapFile& lightmap) {
-    SHEEN_CHECK_EQ(scene.source_corners.size(), scene.triangles.size());
-    SHEEN_CHECK_EQ(lightmap.corners.size(), scene.triangles.size());
-    gltf::Writer(scene, lightmap).write(path);
+    gltf::madeOf(scene, lightmap).write(path);
 }
 
 }  // namespace sheen

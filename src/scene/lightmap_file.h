@@ -13,7 +13,8 @@ namespace sheen {
 struct LightmapFile {
     std::string source;                        ///< the file that the scene was loaded from
     std::vector<std::array<vec2, 3>> corners;  ///< [triangle], in the unit square from the top left
-    std::string png;                           ///< the image's bytes
+    bool of_file = false;  ///< these are the file's own second texture coordinates
+    std::string png;       ///< the image's bytes
     /// What the image is: linear irradiance, of which 1 stands for `intensity` (MOZ_lightmap), or
     /// colours that are shown as they are, instead of all that materials had (unlit).
     bool unlit = false;
@@ -22,9 +23,14 @@ struct LightmapFile {
     bool lights_baked = false;
 };
 
+/// Throws the input errors of writeLightmapped(), before there is an image.
+void checkLightmapped(const Scene& scene, const LightmapFile& lightmap);
+
 /// Writes a .glb file, which appears whole or not at all. `scene` was loaded by
-/// LoadParams::sources. Input error where something cannot be taken over: instances, which have no
-/// coordinates of their own. Environment error where the file cannot be written.
+/// LoadParams::sources. Image-based light of the file is left out where the scene has a sky, which
+/// is in the lightmap. Input error where something cannot be taken over: instances, which have no
+/// coordinates of their own, parts that are not there or malformed, more than 4 GiB. Environment
+/// error where the file cannot be written.
 void writeLightmapped(const std::string& path, const Scene& scene, const LightmapFile& lightmap);
 
 }  // namespace sheen

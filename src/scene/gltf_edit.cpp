@@ -1,0 +1,94 @@
+#include "scene/gltf_edit.h"
+
+#include <algorithm>
+
+#include "image/atomic_file.h"
+
+namespace sheen::gltf {
+namespace {
+
+void eraseExtension(Json& object, const char* name) {
+    if (object.contains("extensions")) {
+        object["extensions"].erase(name);
+        if (object["extensions"].empty()) {
+            object.erase("extensions");
+        }
+    }
+}
+
+}  // namespace
+
+Json& arrayIn(Json& object, const char* key) {
+    Json& array = object[key];
+    if (!array.is_array()) {
+        array = Json::array();
+    }
+    return array;
+}
+
+bool usesLaterSets(const Json& value) {
+    if (!value.is_structured()) {
+        return false;
+    }
+    for (const auto& [key, member] : value.items()) {
+        const bool later = key == "texCoord" && member.is_number() && member.get<double>() >= 1.0;
+        if (later || (key != "MOZ_lightmap" && usesLaterSets(member))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void useExtension(Json& document, const char* extension) {
+    Json& used = arrayIn(document, "extensionsUsed");
+    if (std::find(used.begin(), used.end(), extension) == used.end()) {
+        used.push_back(extension);
+    }
+}
+
+void forgetExtension(Json& document, const char* extension) {
+    for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+        if (!document.contains(list)) {
+            continue;
+        }
+        Json& names = document[list];
+        names.erase(std::remove(names.begin(), names.end(), extension), names.end());
+        if (names.empty()) {
+            document.erase(list);
+        }
+    }
+}
+
+void dropExtension(Json& document, const char* array, const char* extension) {
+    if (document.contains(array)) {
+        for (Json& user : document[array]) {
+            eraseExtension(user, extension);
+        }
+    }
+    eraseExtension(document, extension);
+    forgetExtension(document, extension);
+}
+
+void writeGlb(const std::string& path, const std::string& text,
+              const std::vector<unsigned char>& bytes) {
+    constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJson = 0x4e4f534a, kBin = 0x004e4942;
+    AtomicFile out(path);
+    const auto word = [&](uint64_t value) {
+        for (int i = 0; i < 4; ++i) {
+            const auto byte = static_cast<char>(value >> (8 * i) & 0xff);
+            out.write(&byte, 1);
+        }
+    };
+    for (const uint64_t value :
+         {uint64_t{kMagic}, uint64_t{kVersion}, kGlbHeaders + text.size() + bytes.size(),
+          uint64_t{text.size()}, uint64_t{kJson}}) {
+        word(value);
+    }
+    out.write(text);
+    word(bytes.size());
+    word(kBin);
+    out.write(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    out.commit();
+}
+
+}  // namespace sheen::gltf

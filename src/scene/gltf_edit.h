@@ -1,0 +1,35 @@
+// Changing a glTF document, and writing it.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace sheen::gltf {
+
+using Json = nlohmann::json;
+
+/// The object's array of that name, made where it is not.
+Json& arrayIn(Json& object, const char* key);
+
+/// Whether a texture in it, known or not, is looked up by another set of coordinates than the
+/// first. Lightmaps do not count.
+bool usesLaterSets(const Json& value);
+
+/// Names an extension among those that the document uses.
+void useExtension(Json& document, const char* extension);
+/// Its inverse.
+void forgetExtension(Json& document, const char* extension);
+/// Takes an extension out of the document, and out of all members of its array of that name.
+void dropExtension(Json& document, const char* array, const char* extension);
+
+/// Bytes of a .glb file beside its two chunks.
+constexpr uint64_t kGlbHeaders = 12 + 8 + 8;
+
+/// Writes a .glb file of both chunks, whose sizes are multiples of four; it appears whole or not at
+/// all. Environment error where it cannot be written.
+void writeGlb(const std::string& path, const std::string& text,
+              const std::vector<unsigned char>& bytes);
+
+}  // namespace sheen::gltf
