@@ -42,7 +42,7 @@ def compare(image, reference, output):
 
 def measure(scene, camera, options, folder):
     """A row of the table, and the OpenGL renderer."""
-    view = [scene, "--camera", camera, "--size", options.size, "--aa", "1", "--bounces", "1"]
+    view = [scene, "--camera", camera, "--size", options.size, "--aa", "1", "--bounces", "1", "--caustics", "none"]
     reference = options.references / f"{scene.stem}.{camera}.{options.size}.exr"
     if not reference.exists():
         print(f"judge: rendering {reference} with {options.spp} paths a pixel", file=sys.stderr)

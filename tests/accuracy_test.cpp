@@ -130,5 +130,12 @@ INSTANTIATE_TEST_SUITE_P(GrazingGloss, Accuracy,
                                          Measured{"seam_r100", "", kDefault, 3.66, -0.40, 3.6}),
                          testName);
 
+// Lamps and a sky, all bounces.
+INSTANTIATE_TEST_SUITE_P(
+    LampsAndSky, Accuracy,
+    testing::Values(Measured{"gallery", "", kDefault, 1.98, 0.35, 4.7, kAllBounces, "3,3.6,5"},
+                    Measured{"gallery", "", kCoarse, 4.71, 0.23, 8.0, kAllBounces, "3,3.6,5"}),
+    testName);
+
 }  // namespace
 }  // namespace sheen

@@ -217,5 +217,37 @@ TEST(Caustics, AreTheSameAtAnyScale) {
     }
 }
 
+// Photons that find next to nothing, or a light a hair off a mirror, end all the same.
+TEST(Caustics, EndWhateverPilotsFind) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.7f)));
+    addQuad(scene, vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2), white);
+    addQuad(scene, vec3(1, 0, 1), vec3(0, 2, 0), vec3(0, 0, -2),
+            addMaterial(scene, glossyParams(vec3(0.9f), 1.0f, 0.0f)));
+    const std::vector<vec3> points = grid(vec2(-0.9f), vec2(0.9f), 4);
+    PunctualLight light{};
+    light.kind = shared::LIGHT_SPOT;  // a spot of a few centimetres on the mirror
+    light.position = vec3(0, 1, 0);
+    light.direction = vec3(1, 0, 0);
+    light.intensity = vec3(1.0f);
+    light.cos_outer = 0.9998f;
+    light.spot_scale = 1.0f / (1.0f - light.cos_outer);
+    light.spot_offset = -light.cos_outer * light.spot_scale;
+    PunctualLight near = light;
+    near.kind = shared::LIGHT_POINT;
+    near.position = vec3(1.0f - 1e-4f, 1, 0);
+    near.cos_outer = -1.0f;
+    near.spot_scale = 0.0f;
+    near.spot_offset = 1.0f;
+    for (const PunctualLight& l : {light, near}) {
+        scene.lights = {l};
+        for (const int photons : {1, 8, 1000}) {
+            for (const vec3& found : (Floor{scene, points}.irradiance(photons))) {
+                EXPECT_TRUE(finite(found));
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace sheen

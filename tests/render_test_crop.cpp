@@ -54,6 +54,24 @@ TEST(Crop, WhatIsSeenAndItsDirectLightAreTheWholesBits) {
     }
 }
 
+// All layers are of the part's size, those of caustics too.
+TEST(Crop, TakesCausticsAlong) {
+    Scene scene = glossyRoom();
+    addQuad(scene, vec3(-0.9f, -0.9f, -0.9f), vec3(0, 1.2f, 0), vec3(0, 0, 1.2f),
+            addMaterial(scene, glossyParams(vec3(0.9f), 1.0f, 0.0f)));
+    RenderParams params = smallRender(kWidth, kHeight);
+    params.caustics = 2000;
+    const Crop crop{{19, 11}, {17, 9}};
+    for (const Method method : {Method::kRadiance, Method::kReference}) {
+        params.method = method;
+        params.spp = 16;
+        const RenderResult part = partOf(scene, params, crop);
+        EXPECT_EQ(part.frame.caustic.width, crop.size.x);
+        EXPECT_EQ(part.frame.caustic.height, crop.size.y);
+        EXPECT_EQ(beauty(part.frame).height, crop.size.y);
+    }
+}
+
 TEST(Crop, OfTheReferenceIsTheWholesBits) {
     const Scene scene = glossyRoom();
     RenderParams params = smallRender(kWidth, kHeight, Method::kReference);

@@ -28,6 +28,8 @@ constexpr size_t kOffers = 2;
 // Photons of more power than so many times the mean are split: at most as many are added as there
 // are, over this.
 constexpr double kMostPower = 4.0;
+// And are at most so many: a photon may start a hair off a lamp.
+constexpr double kMostCopies = 256.0;
 // From surface to surface photons go on by chance, never surely.
 constexpr float kLikeliest = 0.95f;
 
@@ -210,10 +212,10 @@ double PhotonTracer::start(const PhotonStarts& starts, int number, int count, ui
                    .seed = own,
                    .part = starts.partOf(patch_index)};
     const double power = luminance(arrived.power);
-    if (!(power > 0.0)) {
+    if (!(power > 0.0) || !finite(arrived.power)) {
         return 0.0;
     }
-    const double copies = std::max(std::ceil(power / most), 1.0);
+    const double copies = glm::clamp(std::ceil(power / most), 1.0, kMostCopies);
     arrived.power /= static_cast<float>(copies);
     for (double copy = 0.0; copy < copies; ++copy) {
         if (const auto flight = leave(arrived, p, surface, side.start(), kFirstLobe)) {
@@ -318,7 +320,7 @@ void PhotonTracer::fly(std::span<const Flight> flights, int bounce, std::vector<
             continue;
         }
         const float chance = std::min(luminance(gone_on->power) / before, kLikeliest);
-        if (randomPlace(flight.seed, use + 1).x < chance) {
+        if (static_cast<float>(pcgHash(flight.seed + use + 1)) * 0x1p-32f < chance) {
             gone_on->power /= chance;
             next.push_back(*gone_on);
         }
@@ -387,7 +389,9 @@ std::vector<Photon> traceCaustics(const Tracer& tracer, const SceneLights& light
             light[photon.part] += luminance(photon.power);
         }
         starts.heed(light);
-        most = kMostPower * pilots.started / count;
+        if (pilots.started > 0.0) {  // else they found nothing, and say nothing of the rest
+            most = kMostPower * pilots.started / count;
+        }
     }
     const std::vector<Landed> landed = photons.traceAll(starts, count, ++seed, most).landed;
     std::vector<Photon> result;

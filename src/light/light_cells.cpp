@@ -125,7 +125,7 @@ LightCells::LitTriangle LightCells::light(const Tracer& tracer,
     const TriangleGrid grid{n};
     const float edge = triangle.longestEdge() / static_cast<float>(n);
     const vec3 front = geometricNormal(scene, static_cast<int>(index));
-    const bool lambertian = isLambertian(scene.materials[scene.materials_of[index]].params);
+    const bool lambertian = isLambertian(scene.materials[scene.materials_of[index]]);
     const size_t light_count = std::min(lights.size(), kOtherLights);
     const auto others =
         static_cast<uint16_t>(lights.size() > kOtherLights ? bit(kOtherLights) : 0u);

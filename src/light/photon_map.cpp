@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/directions.h"
 
@@ -26,6 +27,9 @@ constexpr int kSectors = Tracer::kPacket;
 
 // A photon counts by 1 - d^2 / r^2, over its integral [Sil86].
 float kernel(float distance2, float radius2) {
+    if (!(radius2 > std::numeric_limits<float>::min())) {
+        return 0.0f;  // they lie where the point does
+    }
     return 2.0f / (kPi * radius2) * std::max(1.0f - distance2 / radius2, 0.0f);
 }
 

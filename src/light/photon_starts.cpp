@@ -57,7 +57,8 @@ PhotonStarts::PhotonStarts(const Scene& scene) {
     for (const Patch& patch : patches_) {
         all += patch.likely;
     }
-    if (patches_.empty()) {
+    if (!(all > 0.0)) {  // none, or none that has an area
+        patches_.clear();
         return;
     }
     // Small things near a lamp may matter as much as large ones.

@@ -74,7 +74,7 @@ struct ScatteredAgain::Point {
     std::optional<Glossy> glossy;  // none: Lambertian
 
     Point(const Scene& scene, const Hit& hit_, const vec3& wo_) : hit(hit_), wo(wo_) {
-        if (isLambertian(scene.materials[scene.materials_of[hit.triangle]].params)) {
+        if (isLambertian(scene.materials[scene.materials_of[hit.triangle]])) {
             return;
         }
         const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, wo, hit.distance);

@@ -41,7 +41,7 @@ class ScatteredOnce : public OutgoingLight {
                (lights_ != nullptr && !(lights_->lamps.empty() && lights_->punctual.empty()));
     }
     bool lambertian(const Hit& hit) const {
-        return isLambertian(scene().materials[scene().materials_of[hit.triangle]].params);
+        return isLambertian(scene().materials[scene().materials_of[hit.triangle]]);
     }
     void sample(std::span<const Asked> points, vec3* radiance) const;
     Asked pointAt(const Hit& hit, const vec2& uv, const vec3& wo) const;

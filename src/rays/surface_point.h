@@ -70,6 +70,11 @@ inline bool isLambertian(const MaterialParams& material) {
     return material.metallic == 0.0f && material.specular == 0.0f;
 }
 
+/// Likewise of what lies on it, too.
+inline bool isLambertian(const Material& material) {
+    return isLambertian(material.params) && material.layers.none();
+}
+
 /// What scatters light at a point.
 struct Scatterer {
     vec3 n;  ///< shading normal, unit, on the side of wo

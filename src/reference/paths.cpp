@@ -41,6 +41,12 @@ Scattered lightAtVertex(const Context& context, const Surface& q, const BrdfSamp
     return light;
 }
 
+// By which chance a path of that throughput went on; 0: it ends. So does one of no number.
+float chanceToGoOn(const vec3& throughput, uint32_t index, uint32_t seed) {
+    const float chance = std::min(std::max({throughput.x, throughput.y, throughput.z}), kLikeliest);
+    return owenSobol(index, hashCombine(seed, kRouletteSeed)).x < chance ? chance : 0.0f;
+}
+
 // Radiance that a path brings to its start from where it goes by `first`. Lamps that the first ray
 // meets are direct light and do not count.
 Brought followPath(const Context& context, const Surface& start, const DirectionSample& first,
@@ -53,24 +59,20 @@ Brought followPath(const Context& context, const Surface& start, const Direction
     vec3 throughput(1.0f);
     vec3 by_lobes(1.0f);  // of specular surfaces alone
     Brought light;
-    const auto add = [&](const vec3& radiance) {  // of a light that the path's ray finds
+    // Of a light that the path's ray finds; the first ray's are no caustics.
+    const auto add = [&](const vec3& radiance, int bounce) {
         light.all += throughput * radiance;
-        light.specular += by_lobes * radiance;
+        light.specular += bounce > 1 ? by_lobes * radiance : vec3(0.0f);
     };
     for (int bounce = 1; opensToward(from, wi); ++bounce) {
         const RayHit hit = nextHit(rays, from, wi, counters);
         if (!hit.found()) {
-            const vec3 sky = skyMet(context.lights, wi, pdf);
-            if (bounce > 1) {
-                add(sky);
-            } else {
-                light.all += sky;
-            }
+            add(skyMet(context.lights, wi, pdf), bounce);
             break;
         }
         const Surface q = rays.surfaceAt(hit, -wi);
         if (bounce > 1) {
-            add(lampMet(context.lights, q, hit.triangle, from.rayOrigin(), pdf));
+            add(lampMet(context.lights, q, hit.triangle, from.rayOrigin(), pdf), bounce);
         }
         if (bounce > bounces) {
             break;
@@ -94,10 +96,8 @@ Brought followPath(const Context& context, const Surface& start, const Direction
         throughput *= next.weight;
         by_lobes *= Scattered{next.weight, next.diffuse}.specular(q.brdf);
         if (bounces == kAllBounces && bounce > kSureBounces) {
-            const float chance =
-                std::min(std::max({throughput.x, throughput.y, throughput.z}), kLikeliest);
-            // So that a path of no number ends too.
-            if (!(owenSobol(index, hashCombine(bounce_seed, kRouletteSeed)).x < chance)) {
+            const float chance = chanceToGoOn(throughput, index, bounce_seed);
+            if (chance == 0.0f) {
                 break;
             }
             throughput /= chance;

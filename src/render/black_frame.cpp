@@ -14,7 +14,7 @@ bool isBlack(const Image<vec3>& layer) {
 
 std::string whyBlack(const Scene& scene, const Camera& camera, const Frame& frame) {
     if (scene.triangles.empty() || !isBlack(frame.direct) || !isBlack(frame.indirect) ||
-        !isBlack(frame.emission)) {
+        !isBlack(frame.emission) || !isBlack(frame.caustic)) {
         return {};
     }
     int seen = 0;

@@ -29,7 +29,8 @@ void cut(Frame& frame, const Crop& crop) {
     for (Image<vec3>* layer :
          {&frame.direct, &frame.indirect, &frame.indirect_diffuse, &frame.emission, &frame.albedo,
           &frame.normal, &frame.position, &frame.indirect_variance,
-          &frame.indirect_diffuse_variance, &frame.direct_variance}) {
+          &frame.indirect_diffuse_variance, &frame.direct_variance, &frame.caustic,
+          &frame.caustic_variance, &frame.global_variance}) {
         cut(*layer, crop);
     }
     for (Image<float>* layer :

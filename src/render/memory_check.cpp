@@ -66,7 +66,7 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kPerTriangle = 650;
     constexpr uint64_t kKept = uint64_t{112} << 20;  // light of more than one bounce
     constexpr uint64_t kKeptPerTriangle = 40;
-    constexpr uint64_t kPerPhoton = 160;  // as it is found, and in the map
+    constexpr uint64_t kPerPhoton = 400;  // as it is found, and in the map
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
     constexpr uint64_t kCells = uint64_t{16} << 20;  // of lamps', many lights' and the sky's light

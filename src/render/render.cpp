@@ -220,6 +220,18 @@ HemisphereParams hemisphereOf(const HemisphereParams& wanted, GatherRoad road, f
     return hemisphere;
 }
 
+void tell(const Placement& placement, const ErrorEstimate& estimate, const ComposeCounts& counts,
+          RenderStats& stats) {
+    stats.records = static_cast<int>(placement.cache.records.size());
+    stats.estimated_rel_rmse = estimate.rel_rmse;
+    stats.estimate_low = estimate.low;
+    stats.estimate_high = estimate.high;
+    stats.passes += 1;
+    stats.pixels_uncovered = placement.uncovered;
+    stats.nonfinite_pixels = counts.nonfinite;
+    stats.negative_pixels = counts.negative;
+}
+
 // placement, which gathers and projects -> splat -> compose. A pass that is given up has changed
 // nothing of `result` but times.
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
@@ -275,16 +287,9 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     }
     seconds.compose += compose_timer.seconds();
 
-    stats.records = static_cast<int>(placement.cache.records.size());
-    stats.estimated_rel_rmse = estimate.rel_rmse;
-    stats.estimate_low = estimate.low;
-    stats.estimate_high = estimate.high;
     stats.accuracy = pass.accuracy;
     stats.gather_size = hemisphere.size;
-    stats.passes += 1;
-    stats.pixels_uncovered = placement.uncovered;
-    stats.nonfinite_pixels = counts.nonfinite;
-    stats.negative_pixels = counts.negative;
+    tell(placement, estimate, counts, stats);
 }
 
 // Renders at finer and finer accuracies, until the estimate is at most the target or falls no more.

@@ -30,13 +30,32 @@ auto timed(double& stage, const Make& make) {
     return make();
 }
 
-// Each sample of a pixel with edges has had its share already.
-void takeWhole(const Edges& edges, Image<float>& share) {
+// Each sample of a pixel with edges has had its share already: such pixels' become 1. Returns what
+// they were.
+Image<float> takeWhole(const Edges& edges, Image<float>& share) {
+    Image<float> before = share;
     for (const EdgePixel& edge : edges.pixels) {
         if (!share.empty()) {
             share.pixels[edge.pixel] = 1.0f;
         }
     }
+    return before;
+}
+
+// Indirect light of coats, which are seen at pixels' middles alone; empty where there are none.
+// `before`: as takeWhole() has it.
+Image<vec3> lightOfCoats(const OutgoingLight& light, const std::optional<Receivers>& coats,
+                         const SpecularParams& params, const std::optional<Edges>& edges,
+                         const Image<float>& before) {
+    if (!coats || !coats->anyByRays()) {
+        return {};
+    }
+    Image<vec3> reflected = reflectSpecular(*coats, traceSpecular(light, *coats, params), {});
+    for (size_t k = 0; edges && !before.empty() && k < edges->pixels.size(); ++k) {
+        const size_t pixel = edges->pixels[k].pixel;
+        reflected.pixels[pixel] *= before.pixels[pixel];
+    }
+    return reflected;
 }
 
 }  // namespace
@@ -111,11 +130,12 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         return receiversOf(state.scene, std::move(gbuffer), params.sh_order,
                            params.method == Method::kIrradiance);
     });
+    Image<float> before;
     if (params.aa > 1) {
         const StageTimer timer(seconds.gbuffer);
         edges = findEdges(state.tracer, state.lights, camera, receivers, {veil, share},
                           params.sh_order, params.aa);
-        takeWhole(*edges, share);
+        before = takeWhole(*edges, share);
     }
     checkSplat(state.pool, receivers);
     outgoing = ground != nullptr ? ground->outgoing : &*state.outgoing;
@@ -132,9 +152,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         by_rays.caustics_apart = true;
     }
     const StageTimer timer(seconds.gather);
-    if (coats && coats->anyByRays()) {
-        of_coats = reflectSpecular(*coats, traceSpecular(*outgoing, *coats, params.specular), {});
-    }
+    of_coats = lightOfCoats(*outgoing, coats, params.specular, edges, before);
     if (receivers.anyByRays()) {
         specular = traceSpecular(*outgoing, receivers, by_rays);
     }

@@ -21,7 +21,9 @@ using shared::MaterialParams;
 constexpr float kSpecularAlpha = 0.15f;
 
 /// Whether the specular lobe of a surface, if it has one, is specular in that sense.
-inline bool isSpecular(const Brdf& brdf) { return brdf.alpha < kSpecularAlpha; }
+inline bool isSpecular(const Brdf& brdf) {
+    return brdf.alpha < kSpecularAlpha && (brdf.f90 > 0.0f || brdf.f0 != vec3(0.0f));
+}
 
 /// One of a material's textures.
 struct TextureUse {
