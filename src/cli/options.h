@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/math.h"
-#include "render/crop.h"
+#include "image/crop.h"
 #include "scene/environment.h"
 
 namespace sheen::cli {

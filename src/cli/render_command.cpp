@@ -8,6 +8,7 @@
 #include "core/timer.h"
 #include "image/exr.h"
 #include "image/png.h"
+#include "render/crop.h"
 
 namespace sheen::cli {
 namespace {

@@ -1,15 +1,10 @@
-// A part of an image.
+// Renders a part of an image.
 #pragma once
 
+#include "image/crop.h"
 #include "render/render.h"
 
 namespace sheen {
-
-/// Pixels of an image: columns and rows from `first` on, as many as `size`.
-struct Crop {
-    ivec2 first{0};
-    ivec2 size{0};
-};
 
 /// Renders that part of the image that `params` describe; the frame is of the part's size. What is
 /// seen, direct light of punctual lights and all of the reference are the same as in the whole, bit

@@ -37,6 +37,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         const int order = parseShOrder(text);
         fuzz::require(order == 0 || (order >= 2 && order <= 10), "an order is in range", text);
     });
+    fuzz::check([&] {
+        const Crop crop = parseCrop(text);
+        fuzz::require(glm::all(glm::greaterThanEqual(glm::min(crop.first, crop.size), ivec2(0))) &&
+                          glm::all(glm::lessThan(glm::max(crop.first, crop.size), ivec2(1000000))),
+                      "a part is in range", text);
+    });
     fuzz::check([&] { imageKind(text); });
     std::string number = text;
     if (numberIn(0.5, 8.0)(number).empty()) {
