@@ -109,7 +109,7 @@ TEST(Atlas, chartsOfTrianglesOfAllSizes) {
         rectangle(p, p + 0.01f);
     }
     std::vector<int> times(scene.triangles.size());
-    for (const Chart& chart : makeCharts(scene)) {
+    for (const UvChart& chart : makeCharts(scene)) {
         for (const uint32_t i : chart.triangles) {
             ++times[i];
         }
@@ -149,7 +149,7 @@ TEST(Atlas, densityIsWhatWasAskedFor) {
 TEST(Atlas, chartsTakeEveryTriangleOnce) {
     Scene scene = cornellRoom(diffuseParams(vec3(0.5f)), diffuseParams(vec3(0.5f)));
     std::vector<int> times(scene.triangles.size());
-    for (const Chart& chart : makeCharts(scene)) {
+    for (const UvChart& chart : makeCharts(scene)) {
         for (const uint32_t i : chart.triangles) {
             ++times[i];
         }
@@ -204,7 +204,7 @@ TEST(Atlas, aWindingStairIsCutWhereItWouldLieOverItself) {
         scene.triangles.emplace_back(rim[i], rim[i + 3], rim[i + 2]);
         scene.materials_of.insert(scene.materials_of.end(), 2, white);
     }
-    const std::vector<Chart> charts = makeCharts(scene);
+    const std::vector<UvChart> charts = makeCharts(scene);
     EXPECT_GE(charts.size(), 2u);
     EXPECT_LE(charts.size(), 6u);
 }

@@ -24,13 +24,13 @@ double areaOf(const Scene& scene, const uvec3& t) {
 }
 
 // Whole texels, so that a chart's borders, where they lie along its rectangle, are theirs.
-ivec2 texelsOf(const Chart& chart, double density) {
+ivec2 texelsOf(const UvChart& chart, double density) {
     const glm::dvec2 size = glm::ceil(chart.extent * density - 1e-4);
     return glm::clamp(ivec2(glm::min(size, glm::dvec2(2.0 * kLargestAtlas))), 1, 2 * kLargestAtlas);
 }
 
 // Where the charts lie at so many texels a unit, in order; empty where they do not fit.
-std::vector<ivec2> pack(const std::vector<Chart>& charts, double density, int size) {
+std::vector<ivec2> pack(const std::vector<UvChart>& charts, double density, int size) {
     std::vector<stbrp_rect> rects(charts.size());
     int64_t left = int64_t{size} * size;
     for (size_t i = 0; i < charts.size(); ++i) {
@@ -60,7 +60,7 @@ std::vector<ivec2> pack(const std::vector<Chart>& charts, double density, int si
 }
 
 // The greatest density at which they fit, to within a hundredth; 0 where none does.
-double densestFor(const std::vector<Chart>& charts, double area, int size) {
+double densestFor(const std::vector<UvChart>& charts, double area, int size) {
     double high = size / std::sqrt(area);
     double low = high;
     constexpr double kLeast = 1e-6;  // every chart is one texel then
@@ -83,7 +83,7 @@ struct Packing {
     double density = 0.0;
 };
 
-Packing choosePacking(const std::vector<Chart>& charts, double area, const AtlasParams& params) {
+Packing choosePacking(const std::vector<UvChart>& charts, double area, const AtlasParams& params) {
     const double asked = params.texels_per_metre;
     if (asked == 0.0) {
         const Packing packing{params.size, densestFor(charts, area, params.size)};
@@ -259,7 +259,7 @@ Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& wh
 }
 
 Atlas makeAtlas(const Scene& scene, const AtlasParams& params) {
-    const std::vector<Chart> charts = makeCharts(scene);
+    const std::vector<UvChart> charts = makeCharts(scene);
     double area = 0.0;
     for (const uvec3& t : scene.triangles) {
         area += areaOf(scene, t);

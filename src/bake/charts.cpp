@@ -179,9 +179,9 @@ struct Grower {
     }
 
     // From a triangle on, breadth first.
-    Chart grow(uint32_t first) {
+    UvChart grow(uint32_t first) {
         const mat3 frame = tangentFrame(normals[first]);
-        Chart chart;
+        UvChart chart;
         const auto add = [&](uint32_t i, const Corners& c) {
             taken[i] = true;
             chart.triangles.push_back(i);
@@ -233,7 +233,7 @@ std::vector<dvec2> convexHull(std::vector<dvec2> points) {
 
 // Turned so that the rectangle around it is as small as it may be: one of the hull's edges lies
 // along it.
-void turn(Chart& chart) {
+void turn(UvChart& chart) {
     std::vector<dvec2> points;
     for (const Corners& c : chart.corners) {
         points.insert(points.end(), c.begin(), c.end());
@@ -287,13 +287,13 @@ std::vector<uint32_t> placesOf(const Scene& scene) {
     return places;
 }
 
-std::vector<Chart> makeCharts(const Scene& scene) {
+std::vector<UvChart> makeCharts(const Scene& scene) {
     Grower grower(scene);
     std::vector<uint32_t> order(scene.triangles.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(),
                      [&](uint32_t a, uint32_t b) { return grower.areas[a] > grower.areas[b]; });
-    std::vector<Chart> charts;
+    std::vector<UvChart> charts;
     for (const uint32_t i : order) {
         if (!grower.taken[i]) {
             charts.push_back(grower.grow(i));

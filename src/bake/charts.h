@@ -11,7 +11,7 @@ namespace sheen {
 
 /// Triangles that share edges, face about one way, and do not lie above each other as seen from
 /// there.
-struct Chart {
+struct UvChart {
     std::vector<uint32_t> triangles;
     std::vector<std::array<glm::dvec2, 3>>
         corners;  ///< [of the above], scene units; from (0, 0) on
@@ -19,7 +19,7 @@ struct Chart {
 };
 
 /// All triangles, each in one chart.
-std::vector<Chart> makeCharts(const Scene& scene);
+std::vector<UvChart> makeCharts(const Scene& scene);
 
 /// Numbers of the places that vertices stand at: the same for those of the same place.
 std::vector<uint32_t> placesOf(const Scene& scene);

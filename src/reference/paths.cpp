@@ -23,7 +23,7 @@ struct Brought {
 
 // What lights of all kinds send from a path's vertex, but for the half of lamps and sky that the
 // path's next ray finds.
-Scattered lightAtVertex(const Context& context, const Surface& q, const BrdfSampler& sampler,
+Scattered lightAtVertex(const PathContext& context, const Surface& q, const BrdfSampler& sampler,
                         uint32_t index, uint32_t seed, Counters& counters) {
     const RayScene& rays = context.rays;
     const Lights& lights = context.lights;
@@ -49,7 +49,7 @@ float chanceToGoOn(const vec3& throughput, uint32_t index, uint32_t seed) {
 
 // Radiance that a path brings to its start from where it goes by `first`. Lamps that the first ray
 // meets are direct light and do not count.
-Brought followPath(const Context& context, const Surface& start, const DirectionSample& first,
+Brought followPath(const PathContext& context, const Surface& start, const DirectionSample& first,
                    uint32_t index, uint32_t seed, Counters& counters) {
     const RayScene& rays = context.rays;
     const int bounces = context.params.bounces;
@@ -112,7 +112,7 @@ Brought followPath(const Context& context, const Surface& start, const Direction
 
 }  // namespace
 
-PathSample samplePath(const Context& context, const Start& start, const Guide& guide,
+PathSample samplePath(const PathContext& context, const Start& start, const Guide& guide,
                       uint32_t index, uint32_t seed, Counters& counters) {
     const Surface& p = start.p;
     const GuidedPoint guided = guide.warp(owenSobol(index, seed));
@@ -132,7 +132,7 @@ PathSample samplePath(const Context& context, const Start& start, const Guide& g
             .caustic = (first.weight - by_lobe) * specular};
 }
 
-Scattered sampleSkyFromStart(const Context& context, const Start& start, uint32_t index,
+Scattered sampleSkyFromStart(const PathContext& context, const Start& start, uint32_t index,
                              uint32_t seed, Counters& counters) {
     if (context.params.bounces == 0 || context.lights.sky.empty()) {
         return {};

@@ -21,7 +21,7 @@ struct Start {
           sampler(surface.brdf, surface.specular_albedo, surface.n, surface.wo, surface.coat) {}
 };
 
-struct Context {
+struct PathContext {
     const RayScene& rays;
     const Lights& lights;
     const ReferenceParams& params;
@@ -44,12 +44,12 @@ struct PathSample {
 
 /// One sample, by point `index` of the sequences of `seed`, of the indirect light that arrives in
 /// directions chosen by the BRDF.
-PathSample samplePath(const Context& context, const Start& start, const Guide& guide,
+PathSample samplePath(const PathContext& context, const Start& start, const Guide& guide,
                       uint32_t index, uint32_t seed, Counters& counters);
 
 /// And of what of the sky's light the other half of the estimate brings: by directions toward it.
 /// (Weights of both halves are those of plain BRDF samples: they add up to one whatever the guide.)
-Scattered sampleSkyFromStart(const Context& context, const Start& start, uint32_t index,
+Scattered sampleSkyFromStart(const PathContext& context, const Start& start, uint32_t index,
                              uint32_t seed, Counters& counters);
 
 }  // namespace sheen

@@ -47,7 +47,7 @@ struct PathStart {
 // of its own in the pixel's area, on one of those that are seen there.
 class Pixel {
   public:
-    Pixel(const Context& context, int x, int y)
+    Pixel(const PathContext& context, int x, int y)
         : context_(context),
           x_(x),
           y_(y),
@@ -95,7 +95,7 @@ class Pixel {
     }
 
   private:
-    const Context& context_;
+    const PathContext& context_;
     int x_, y_;
     ivec2 in_whole_;  // of the image that the frame may be a part of
     uint32_t seed_;
@@ -122,7 +122,7 @@ Guide learnGuide(int size, uint32_t seed, const Sample& sample) {
     return Guide(size, contributions);
 }
 
-void estimateIndirect(const Context& context, const Pixel& pixel, Frame& frame,
+void estimateIndirect(const PathContext& context, const Pixel& pixel, Frame& frame,
                       Counters& counters) {
     const ReferenceParams& params = context.params;
     const uint32_t guide_seed = hashCombine(pixel.seed(), kGuideSeed);
@@ -175,7 +175,8 @@ void estimateIndirect(const Context& context, const Pixel& pixel, Frame& frame,
 
 // A guide of where on the lamps the light of a pixel comes from: not from their backs, nor from
 // those that are far off or hidden.
-Guide learnLamps(const Context& context, const Pixel& pixel, uint32_t seed, Counters& counters) {
+Guide learnLamps(const PathContext& context, const Pixel& pixel, uint32_t seed,
+                 Counters& counters) {
     if (context.lights.lamps.empty()) {
         return {};
     }
@@ -191,8 +192,8 @@ Guide learnLamps(const Context& context, const Pixel& pixel, uint32_t seed, Coun
 
 // One sample of the light that lamps send to a path's start, and of punctual lights' where that is
 // not known.
-vec3 sampleDirect(const Context& context, const Start& start, const Guide& guide, uint32_t index,
-                  uint32_t seed, Counters& counters) {
+vec3 sampleDirect(const PathContext& context, const Start& start, const Guide& guide,
+                  uint32_t index, uint32_t seed, Counters& counters) {
     const Lamps& lamps = context.lights.lamps;
     vec3 sample(0.0f);
     if (context.params.pixel_area) {
@@ -211,7 +212,8 @@ vec3 sampleDirect(const Context& context, const Start& start, const Guide& guide
 
 // Adds the lamps' light to that of punctual lights, which at a pixel's middle has no variance; of
 // its area, adds both, and what is emitted there and how much of it is covered.
-void estimateDirect(const Context& context, const Pixel& pixel, Frame& frame, Counters& counters) {
+void estimateDirect(const PathContext& context, const Pixel& pixel, Frame& frame,
+                    Counters& counters) {
     const uint32_t direct_seed = hashCombine(pixel.seed(), kDirectSeed);
     const Guide guide = learnLamps(context, pixel, hashCombine(direct_seed, kGuideSeed), counters);
     Replicates direct;
@@ -247,7 +249,7 @@ void estimateDirect(const Context& context, const Pixel& pixel, Frame& frame, Co
     }
 }
 
-void renderPixel(const Context& context, int x, int y, ReferenceResult& result,
+void renderPixel(const PathContext& context, int x, int y, ReferenceResult& result,
                  Counters& counters) {
     const ReferenceParams& params = context.params;
     Pixel pixel(context, x, y);
@@ -307,7 +309,7 @@ int guideSize(const ReferenceParams& params) {
     return params.bounces > 0 ? size : 0;
 }
 
-void renderSurface(const Context& context, const Surface& surface, int x, int y,
+void renderSurface(const PathContext& context, const Surface& surface, int x, int y,
                    ReferenceResult& result, Counters& counters) {
     Pixel pixel(context, x, y);
     pixel.startFrom(surface, 1.0f);
@@ -330,7 +332,7 @@ ReferenceResult renderPlaces(const Scene& scene, const ReferenceParams& params,
     apart.caustics_apart = params.caustics_apart && anySpecular(scene);
     Camera whole_camera = params.camera;
     whole_camera.window = {};
-    const Context context{
+    const PathContext context{
         .rays = rays,
         .lights = lights,
         .params = apart,
@@ -390,7 +392,7 @@ ReferenceResult renderReference(const Scene& scene, const ReferenceParams& param
 ReferenceResult renderReferenceOf(const Scene& scene, const ReferenceParams& params,
                                   const SurfaceOf& surface_of) {
     SHEEN_CHECK(!params.pixel_area);
-    const auto render = [&](const Context& context, int x, int y, ReferenceResult& result,
+    const auto render = [&](const PathContext& context, int x, int y, ReferenceResult& result,
                             Counters& counters) {
         if (const std::optional<Surface> surface = surface_of(x, y)) {
             renderSurface(context, *surface, x, y, result, counters);
