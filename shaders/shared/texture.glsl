@@ -26,9 +26,12 @@ struct TextureTaps {
     vec2 fraction;
 };
 
-// uv as in glTF: (0, 0) is the corner of the first texel of the first row.
-FN TextureTaps textureTaps(IN(vec2) uv, IN(ivec2) size, IN(ivec2) wrap) {
+// uv as in glTF: (0, 0) is the corner of the first texel of the first row. What a transform of the
+// coordinates makes infinite, or no number, counts as 0.
+FN TextureTaps textureTaps(IN(vec2) uv_, IN(ivec2) size, IN(ivec2) wrap) {
     TextureTaps taps;
+    const float largest = 3e38f;
+    vec2 uv = vec2(abs(uv_.x) < largest ? uv_.x : 0.0f, abs(uv_.y) < largest ? uv_.y : 0.0f);
     // Keep the fraction exact for far-out coordinates; mirrored wrapping has period 2.
     vec2 reduced = uv - 2.0f * floor(0.5f * uv);
     vec2 base = vec2(wrap.x == WRAP_CLAMP ? clamp(uv.x, 0.0f, 1.0f) : reduced.x,
