@@ -10,7 +10,7 @@ SCENES = ROOT / "scenes"
 
 
 class Run:
-    """One run of a program: wall-clock seconds and peak memory of the whole command."""
+    """One run of a program: wall-clock seconds, CPU seconds and peak memory of the whole command."""
 
     def __init__(self, command, cache=None):
         environment = dict(os.environ, **({"MESA_SHADER_CACHE_DIR": cache} if cache else {}))
@@ -18,6 +18,7 @@ class Run:
         child = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
         _, status, usage = os.wait4(child.pid, 0)
         self.seconds = time.monotonic() - start
+        self.cpu = usage.ru_utime + usage.ru_stime
         child.returncode = os.waitstatus_to_exitcode(status)
         if child.returncode != 0:
             raise subprocess.CalledProcessError(child.returncode, command)

@@ -8,12 +8,12 @@ import math
 import pathlib
 import random
 import re
-import resource
 import struct
 import subprocess
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from harness import ROOT, Run, table
+
 HALF_WIDTH, HEIGHT, HALF_LENGTH = 10, 8, 20
 CANDELA = 3000.0  # of all point lights together
 NITS, AREA = 600.0, 2.0  # of all panels together
@@ -101,35 +101,28 @@ def hall(kind, count):
     return glb
 
 
-def cpu_seconds(command):
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(command, check=True, capture_output=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sheen", default=ROOT / "build/release/sheen", help="the program")
     parser.add_argument("--size", default="128x96")
     parser.add_argument("--spp", default="64", help="paths a pixel of the reference")
     arguments = parser.parse_args()
-    render = [arguments.sheen, "render", "--size", arguments.size, "--aa", "1"]
-    print("| lights | CPU s | direct, rel_rmse |\n|---|---|---|")
+    render = [arguments.sheen, "render", "--size", arguments.size, "--aa", "1", "-q"]
+    rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         for kind, count in (("points", 10), ("points", 256), ("points", 2000), ("panels", 5), ("panels", 5000)):
             scene, image, truth = folder / "hall.glb", folder / "image.exr", folder / "truth.exr"
             hall(kind, count).write(scene)
-            seconds = cpu_seconds([*render, scene, "-o", image])
+            seconds = Run([*render, scene, "-o", image]).cpu
             error = "not asked"
             if kind == "points":
-                subprocess.run([*render, scene, "--method", "reference", "--bounces", "1", "--spp", arguments.spp,
-                                "-o", truth], check=True, capture_output=True)
+                Run([*render, scene, "--method", "reference", "--bounces", "1", "--spp", arguments.spp, "-o", truth])
                 judged = subprocess.run([arguments.sheen, "compare", image, truth, "--layer", "direct"], check=True,
                                         capture_output=True, text=True).stdout
                 error = re.search(r"rel_rmse\s+(\S+)", judged).group(1)
-            print(f"| {count} {kind} | {seconds:.1f} | {error} |", flush=True)
+            rows.append([f"{count} {kind}", f"{seconds:.1f}", error])
+    print("\n".join(table(["lights", "CPU s", "direct, rel_rmse"], rows)))
 
 
 if __name__ == "__main__":

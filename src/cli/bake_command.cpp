@@ -231,10 +231,7 @@ ExitCode runBake(BakeOptions& o) {
 }
 
 void addAtlasOptions(CLI::App& app, BakeOptions& o) {
-    app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")
-        ->type_name("FILE")
-        ->required()
-        ->check(fileName());
+    addSceneOption(app, o.scene);
     app.add_option("-o,--output", o.outputs,
                    "What to write, may be given more than once: .glb, the scene with its "
                    "lightmap; .exr, the lightmap alone with all figures; .png, to look at; "

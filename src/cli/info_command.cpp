@@ -149,10 +149,7 @@ ExitCode runInfo(const InfoOptions& o) {
 Command addInfo(CLI::App& program) {
     CLI::App* app = program.add_subcommand("info", "Tell what a scene holds");
     const auto options = std::make_shared<InfoOptions>();
-    app->add_option("SCENE", options->scene, "glTF scene, .glb or .gltf")
-        ->type_name("FILE")
-        ->required()
-        ->check(fileName());
+    addSceneOption(*app, options->scene);
     app->add_option("--json", options->json, "File for all figures as JSON; -: standard output")
         ->type_name("FILE")
         ->check(fileName());

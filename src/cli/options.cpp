@@ -149,12 +149,19 @@ int parseCaustics(const std::string& text) {
     return *photons;
 }
 
+void addSceneOption(CLI::App& app, std::string& scene) {
+    app.add_option("SCENE", scene, "glTF scene, .glb or .gltf")
+        ->type_name("FILE")
+        ->required()
+        ->check(fileName());
+}
+
 void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params) {
     CLI::Option* environment =
         app.add_option("--environment", params.source,
                        "Sky that lights the scene and shows behind it: an image by latitude and "
-                       "longitude (.hdr, .exr), a colour R,G,B in nits, or none; default: none, "
-                       "or a studio where a file has no light at all")
+                       "longitude (.hdr, .exr), a colour R,G,B in nits, or none; default: the "
+                       "file's own, or a studio where it has no light at all")
             ->type_name("FILE|R,G,B|none")
             ->check(fileName());
     app.add_option("--environment-rotation", params.rotation,

@@ -38,6 +38,9 @@ int parseBounces(const std::string& text);
 /// "none" (0) or 1000..1e8. Usage error otherwise.
 int parseCaustics(const std::string& text);
 
+/// The scene that a command is about.
+void addSceneOption(CLI::App& app, std::string& scene);
+
 /// --environment and what belongs to it, of any command that renders.
 void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params);
 

@@ -40,10 +40,7 @@ std::vector<std::string> keysOf(const std::map<std::string, T>& map) {
 }
 
 void addImageOptions(CLI::App& app, RenderOptions& o) {
-    app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")
-        ->type_name("FILE")
-        ->required()
-        ->check(fileName());
+    addSceneOption(app, o.scene);
     app.add_option("-o,--output", o.output,
                    "Image to write, .exr (all figures) or .png (to look at); "
                    "default: the scene's name with .exr, in the current folder")

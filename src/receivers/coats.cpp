@@ -44,23 +44,12 @@ Image<vec3> directWithCoats(const Tracer& tracer, const SceneLights& lights, con
 }
 
 Receivers coatsOf(const Scene& scene, const GBuffer& gbuffer) {
-    GBuffer coats = coatsAlone(gbuffer);
-    Receivers receivers;
-    receivers.image = coats.image;
-    receivers.positions = std::move(coats.position.pixels);
-    receivers.normals = std::move(coats.normal.pixels);
-    receivers.footprints = std::move(coats.depth.pixels);
-    receivers.triangles = std::move(coats.primitive.pixels);
-    receivers.diffuse = std::move(coats.diffuse.pixels);
-    receivers.f0 = std::move(coats.f0.pixels);
-    receivers.f90 = std::move(coats.f90.pixels);
-    receivers.roughness = std::move(coats.roughness.pixels);
+    Receivers receivers = fieldsOf(coatsAlone(gbuffer));
     const size_t count = receivers.positions.size();
     receivers.orders.assign(count, kNoOrder);
     receivers.by_rays.assign(count, 0);
     receivers.materials.assign(count, kNoMaterial);
     for (size_t i = 0; i < count; ++i) {
-        receivers.footprints[i] *= coats.image.pixel_angle;
         if (receivers.seen(i)) {
             receivers.orders[i] = shared::DIFFUSE_ORDER;
             receivers.by_rays[i] = 1;

@@ -14,7 +14,7 @@ vec3 Receivers::specularAlbedo(size_t i) const {
                                  f90[i]);
 }
 
-Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool irradiance_only) {
+Receivers fieldsOf(GBuffer gbuffer) {
     Receivers receivers;
     receivers.image = gbuffer.image;
     receivers.positions = std::move(gbuffer.position.pixels);
@@ -30,6 +30,11 @@ Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool ir
     receivers.roughness = std::move(gbuffer.roughness.pixels);
     receivers.direct = std::move(gbuffer.direct.pixels);
     receivers.emission = std::move(gbuffer.emission.pixels);
+    return receivers;
+}
+
+Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool irradiance_only) {
+    Receivers receivers = fieldsOf(std::move(gbuffer));
     classify(scene, sh_order, irradiance_only, receivers);
     receivers.lobes = buildLobes(receivers);
     return receivers;

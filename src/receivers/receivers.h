@@ -105,6 +105,9 @@ struct Receivers {
 /// truncation; 0: orders by prediction. Environment error where there are too many lobes.
 Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool irradiance_only);
 
+/// What the G-buffer says of them alone: of no class, without orders and lobes.
+Receivers fieldsOf(GBuffer gbuffer);
+
 /// About a thousand of them, by chance: what light is looked for from (placeElements()).
 std::vector<ElementSite> someOf(const Scene& scene, const Receivers& receivers);
 
