@@ -107,7 +107,7 @@ def main():
     parser.add_argument("--size", default="128x96")
     parser.add_argument("--spp", default="64", help="paths a pixel of the reference")
     arguments = parser.parse_args()
-    render = [arguments.sheen, "render", "--size", arguments.size, "--aa", "1", "-q"]
+    render = [arguments.sheen, "render", "--size", arguments.size, "--aa", "1"]
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
