@@ -19,5 +19,6 @@ Command addCompare(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addChart(CLI::App& program);
 Command addBake(CLI::App& program);
+Command addAnimate(CLI::App& program);
 
 }  // namespace sheen::cli

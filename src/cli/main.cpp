@@ -45,7 +45,7 @@ int parseAndRun(int argc, char** argv) {
     program.require_subcommand(1);
     program.footer(kFooter);
     const Command commands[] = {addRender(program), addCompare(program), addInfo(program),
-                                addChart(program), addBake(program)};
+                                addChart(program),  addBake(program),    addAnimate(program)};
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
