@@ -153,7 +153,7 @@ Model doors() {
                             .type = "point",
                             .position = dvec3(-0.5, 2.0, -1.2),
                             .color = dvec3(1.0, 0.93, 0.82),
-                            .intensity = 30.0});
+                            .intensity = 10.0});
     model.lights.push_back({.name = "night light",
                             .type = "point",
                             .position = dvec3(1.3, 2.2, 2.4),
@@ -169,9 +169,9 @@ Model doors() {
 
 Model orbit() {
     Model model = venusGlossy();
-    const dvec3 middle(0.0, 1.05, 0.0);
+    const dvec3 middle(0.0, 1.2, 0.0);
     const auto place = [&](int frame) {
-        constexpr double kRadius = 1.65, kHeightOfEye = 1.25, kFrom = 0.1, kArc = kPi;
+        constexpr double kRadius = 1.65, kHeightOfEye = 1.35, kFrom = 0.1, kArc = kPi;
         const double angle = kFrom + kArc * frame / (kFrames - 1.0);
         const dvec3 eye(kRadius * std::sin(angle), kHeightOfEye, kRadius * std::cos(angle));
         return Motion::Key{secondsOf(frame), eye, lookRotation(middle - eye)};
@@ -180,7 +180,7 @@ Model orbit() {
     model.cameras[0].name = "orbit";
     model.cameras[0].position = place(0).position;
     model.cameras[0].target = middle;
-    model.cameras[0].y_fov = 62.0 * kDegree;
+    model.cameras[0].y_fov = 70.0 * kDegree;
     move(model, "orbit", place);
     return model;
 }

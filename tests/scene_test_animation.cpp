@@ -93,7 +93,9 @@ TEST(Animation, ACameraThatMovesLeavesGeometryInPlace) {
 TEST(Animation, AViewOfOnesOwnStaysWhereTheSceneMoves) {
     GltfFile file = moving();
     addChannel(file, {0, 1}, {0, 0, 0, 9, 0, 0}, 3, ofNode(0, "translation"));
-    AnimatedScene animated(file.write(), {.view = {.at = dvec3(0, 0, 3)}});
+    LoadParams params;
+    params.view.at = dvec3(0, 0, 3);
+    AnimatedScene animated(file.write(), params);
     const mat4 before = animated.scene().cameras[0].world_from_camera;
     animated.moveTo(1.0);
     EXPECT_EQ(animated.scene().cameras[0].world_from_camera, before);
