@@ -13,7 +13,13 @@ bool sameBits(const Image<vec3>& a, const Image<vec3>& b) {
            std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(vec3)) == 0;
 }
 
-const RenderParams kParams{.width = 24, .height = 24, .bounces = 2, .quiet = true};
+const RenderParams kParams = [] {
+    RenderParams params;
+    params.width = params.height = 24;
+    params.bounces = 2;
+    params.quiet = true;
+    return params;
+}();
 
 std::string sceneFile(const char* name) { return std::string(SHEEN_SCENES) + "/" + name; }
 
