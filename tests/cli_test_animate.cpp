@@ -150,6 +150,7 @@ TEST_F(CliAnimate, Errors) {
         expectError(fmt::format("animate scene.gltf -o %d.exr --frames={}", frames),
                     ExitCode::kUsage, frames);
     }
+    expectError("animate scene.gltf -o %d.exr --cache c", ExitCode::kUsage, "--cache");
     expectError("animate scene.gltf -o %d.exr --fps 0", ExitCode::kUsage, "--fps");
     expectError("animate scene.gltf -o %d.exr --animation dance", ExitCode::kUsage, "dance");
     expectError("animate none.gltf -o %d.exr", ExitCode::kInput, "none.gltf");

@@ -16,7 +16,10 @@ bool sameBits(const Image<vec3>& a, const Image<vec3>& b) {
 const RenderParams kParams = [] {
     RenderParams params;
     params.width = params.height = 24;
-    params.bounces = 2;
+    params.bounces = 1;
+    params.caustics = 0;
+    params.gather.size = 16;
+    params.placement.accuracy = 1.0f;
     params.quiet = true;
     return params;
 }();

@@ -43,6 +43,9 @@ struct Output {
 
 Output understandOutput(AnimateOptions& o) {
     RenderOptions& r = o.render;
+    if (!r.cache.empty()) {
+        throwUsage("--cache: not an option of animate, whose frames stand for themselves");
+    }
     Output output;
     if (fs::path(r.output).extension() == ".mp4") {
         output.movie = r.output;
