@@ -194,8 +194,9 @@ class Viewer {
         if (held_ && showing_held_) {
             image = &*held_;
         }
+        const double wait = fresh ? 0.0 : opened_->live->idle() ? kIdleWait : kWait;
         window_.draw(
-            image, [this, fresh] { interface(fresh); }, fresh ? 0.0 : kWait);
+            image, [this, fresh] { interface(fresh); }, wait);
         resize();
         for (const std::string& path : window_.dropped()) {
             drop(path);
