@@ -10,7 +10,7 @@ packages=(
 # What CMake asks for where tests and benchmarks are built too.
 test_build_packages=(libgtest-dev libbenchmark-dev)
 # What only ./check needs: the browser that opens the chart's report, plots of the benchmarks.
-test_packages=(chromium chromium-driver python3-selenium gnuplot-nox)
+test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-pil)
 build="$root/build/release"
 log="$root/build/build.log"
 
