@@ -16,6 +16,7 @@
 #include "gather/ray_gather.h"
 #include "gl/objects.h"
 #include "receivers/classes.h"
+#include "render/hints.h"
 #include "render/memory_check.h"
 #include "render/session.h"
 #include "render/veils.h"
@@ -422,6 +423,7 @@ bool smoothsEdges(Method method, GatherRoad road) {
             return road == GatherRoad::kRays;
         case Method::kOctree:
         case Method::kDenoised:
+        case Method::kHints:
             return false;
     }
     throw std::logic_error("unknown method");
@@ -442,6 +444,11 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             return renderByPaths(scene_, params);
         case Method::kOctree:
             return renderByOctree(scene_, params);
+        case Method::kHints: {
+            RenderResult result = renderByHints(scene_, params);
+            countPixels(result);
+            return result;
+        }
         case Method::kRadiance:
         case Method::kIrradiance: {
             if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
