@@ -1,5 +1,7 @@
 #include "render/render.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -246,11 +248,15 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
 
     RenderStats& stats = result.stats;
     StageSeconds& seconds = stats.seconds;
+    if (view.kept != nullptr && stats.passes == 0) {
+        view.field = view.kept->take(view.receivers, how);
+    }
     // Records of much fewer rays would spoil what the others found.
     constexpr float kMuchCoarser = 0.7f;
-    if (static_cast<float>(view.gather_size) < kMuchCoarser * static_cast<float>(hemisphere.size)) {
+    if (static_cast<float>(view.field.gather_size) <
+        kMuchCoarser * static_cast<float>(hemisphere.size)) {
         view.field = {};
-        view.gather_size = hemisphere.size;
+        view.field.gather_size = hemisphere.size;
     }
     const Placement placement =
         placeTimed(state, view, how, hemisphere, params.quiet, pass.seconds, seconds);
@@ -291,6 +297,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     stats.accuracy = pass.accuracy;
     stats.gather_size = hemisphere.size;
     tell(placement, estimate, counts, stats);
+    stats.records_reused = static_cast<int>(view.field.reused);
 }
 
 // Renders at finer and finer accuracies, until the estimate is at most the target or falls no more.
@@ -372,12 +379,13 @@ void renderView(const RenderParams& params, const Timer& timer, SceneState& stat
     }
 }
 
+// `kept`: records of former frames, and then of this one as well; null: none are kept.
 RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
-                           const RenderParams& params, const Timer& timer) {
+                           const RenderParams& params, const Timer& timer, KeptRecords* kept) {
     RenderResult result;
     RenderStats& stats = result.stats;
     stats.seconds = made_in;
-    ViewState view(state, params, stats.seconds);
+    ViewState view(state, params, stats.seconds, kept);
     RenderParams each = params;
     each.time_limit /= view.veils + 1;
     renderView(each, timer, state, view, result);
@@ -385,7 +393,7 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     for (int veil = 1; veil <= view.veils; ++veil) {
         RenderResult of_veil;
         of_veil.stats.seconds = stats.seconds;
-        ViewState veil_view(state, params, of_veil.stats.seconds, veil, &view);
+        ViewState veil_view(state, params, of_veil.stats.seconds, veil, view);
         each.time_limit += params.time_limit / (view.veils + 1);
         renderView(each, timer, state, veil_view, of_veil);
         veiled.add(std::move(of_veil), veil_view.share);
@@ -403,10 +411,22 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
         stats.elements = view.again->elementCount();
         stats.elements_missed_share = view.again->missedShare();
     }
+    if (kept != nullptr) {
+        kept->put(std::move(view.field));
+    }
     return result;
 }
 
 }  // namespace
+
+std::string recordRecipe(const RenderParams& params) {
+    return fmt::format(
+        "method {}, order {}, road {}, hemisphere {} of extent {}, bounces {}, caustics apart {}",
+        params.method == Method::kIrradiance ? "irradiance" : "radiance", params.sh_order,
+        params.gather_road == GatherRoad::kRays ? "rays" : "raster",
+        static_cast<int>(params.gather.kind), params.gather.extent, params.bounces,
+        params.caustics > 0);
+}
 
 Camera viewOf(const Scene& scene, const RenderParams& params) {
     Camera camera = findCamera(scene, params.camera);
@@ -435,6 +455,24 @@ bool findsCaustics(Method method, GatherRoad road) {
 
 Session::Session(const Scene& scene) : scene_(scene) {}
 Session::~Session() = default;
+
+void Session::keepRecords(KeptRecords records, std::string recipe) {
+    keeps_ = true;
+    kept_ = std::move(records);
+    recipe_ = std::move(recipe);
+}
+
+KeptRecords* Session::keptFor(const RenderParams& params) {
+    if (!keeps_) {
+        return nullptr;
+    }
+    std::string recipe = recordRecipe(params);
+    if (recipe != recipe_) {
+        kept_ = {};
+        recipe_ = std::move(recipe);
+    }
+    return &kept_;
+}
 
 RenderResult Session::renderByMethod(const RenderParams& params) {
     const Timer timer;
@@ -467,7 +505,7 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             }
             RenderParams smoothed = params;
             smoothed.specular.pixel_area = params.aa > 1;
-            return renderByCache(*state_, seconds, smoothed, timer);
+            return renderByCache(*state_, seconds, smoothed, timer, keptFor(params));
         }
     }
     throw std::logic_error("unknown method");

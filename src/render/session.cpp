@@ -82,6 +82,7 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
     if (outgoing && near == boxes) {
         return;
     }
+    again.reset();
     outgoing.reset();  // made last: there are none where anything fails
     near = boxes;
     if (road == GatherRoad::kRaster) {
@@ -91,6 +92,23 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
     const StageTimer timer(seconds.gather);
     // The raster road gathers what lamps send, as light of surfaces.
     outgoing.emplace(tracer, road == GatherRoad::kRays ? &lights : nullptr, near);
+}
+
+std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers& receivers,
+                                                                 int bounces, bool reuse) {
+    constexpr double kMostLacking = 0.02;
+    const std::vector<ElementSite> from = someOf(scene, receivers);
+    if (reuse && again && again->bounces() == bounces &&
+        again->lackingShare(from) <= kMostLacking) {
+        return again;
+    }
+    again.reset();  // never two of them in memory
+    auto made = std::make_shared<const ScatteredAgain>(*outgoing, placeElements(tracer, from), near,
+                                                       bounces);
+    if (reuse) {
+        again = made;
+    }
+    return made;
 }
 
 SceneState::~SceneState() {
@@ -104,7 +122,8 @@ SceneState::~SceneState() {
 // rays -> G-buffer -> receivers -> rays where the cache cannot follow. Direct light comes from rays
 // where records use rays, else from shadow maps.
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
-                     const ViewState* ground) {
+                     const ViewState* ground, KeptRecords* kept_)
+    : kept(kept_) {
     const Camera camera = viewOf(state.scene, params);
     GBuffer gbuffer = timed(seconds.gbuffer, [&] {
         return renderGBuffer(state.tracer, camera, params.width, params.height, veil);
@@ -141,8 +160,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     outgoing = ground != nullptr ? ground->outgoing : &*state.outgoing;
     if (params.bounces > 1 && ground == nullptr) {
         const StageTimer timer(seconds.bounces);
-        again.emplace(*state.outgoing, placeElements(state.tracer, someOf(state.scene, receivers)),
-                      state.near, params.bounces);
+        again = state.scatteredAgain(receivers, params.bounces, kept != nullptr);
         outgoing = &*again;
     }
     SpecularParams by_rays = params.specular;
