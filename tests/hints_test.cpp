@@ -12,6 +12,8 @@
 namespace sheen {
 namespace {
 
+constexpr HintsParams kFew{.hints = 1000, .samples = 512};
+
 // Points of surfaces, seen from `height` above along their normals.
 Receivers receiversAt(const std::vector<vec3>& positions, const std::vector<vec3>& normals,
                       const std::vector<uint32_t>& triangles, float height) {
@@ -57,7 +59,7 @@ struct Hinted {
     SceneLights lights;
     RadianceHints hints;
 
-    explicit Hinted(const Scene& scene, const HintsParams& params = {},
+    explicit Hinted(const Scene& scene, const HintsParams& params = kFew,
                     const std::vector<Bounds>& near = {})
         : tracer(scene), lights(tracer), hints(tracer, params, near) {
         hints.fill(lights);
@@ -113,7 +115,9 @@ TEST(HintLightNumbers, irradianceIsExactAlongAxesAndCloseBetween) {
             EXPECT_NEAR(found.z, 3.0f * exact(n), 3e-5f);
         }
         const vec3 n = glm::normalize(vec3(1, 1, -1));
-        EXPECT_NEAR(hintIrradiance(numbers, n, order).x, exact(n), 0.15f * exact(n));
+        // Three directions are as far from smooth light as it comes.
+        const float tolerance = order == 2 ? 0.25f : 0.15f;
+        EXPECT_NEAR(hintIrradiance(numbers, n, order).x, exact(n), tolerance * exact(n));
     }
 }
 
@@ -183,7 +187,7 @@ TEST(RadianceHints, addUpTheBouncesInASphere) {
     for (const float albedo : {0.3f, 0.8f}) {
         const Scene scene = sphereRoom(albedo);
         for (const int bounces : {1, 2, kAllBounces}) {
-            const Hinted hinted(scene, {.bounces = bounces});
+            const Hinted hinted(scene, {.hints = 500, .samples = 512, .bounces = bounces});
             const HintLight light = hinted.hints.at(seenFrom(hinted.tracer, vec3(0.1f)));
             const double direct = luminance(scene.lights[0].intensity) / 4.0;
             double expected = direct * albedo / (1.0 - albedo);
@@ -221,7 +225,7 @@ TEST(RadianceHints, scatterWhatLampsSend) {
     addSphere(scene, vec3(0.0f), 2.0f, 32, white);
     addSphere(scene, vec3(0.0f), 0.1f, 8,
               addMaterial(scene, diffuseParams(vec3(0.0f), vec3(100.0f))));
-    const Hinted hinted(scene, {.bounces = 1});
+    const Hinted hinted(scene, {.hints = 500, .samples = 512, .bounces = 1});
     const HintLight light = hinted.hints.at(seenFrom(hinted.tracer, vec3(0.2f, 0.1f, 0.0f)));
     // pi L times the sphere's disc over the squared distance; the lamp hides little.
     const double expected = 0.5 * 100.0 * kPi * 0.01 / 4.0;
@@ -330,7 +334,7 @@ TEST(RadianceHints, doNotFlickerUnderAMovingLight) {
     constexpr double kLargestStep = 0.03;  // of the image, from frame to frame
     constexpr double kFlicker = 0.015;     // of it, off the mean of both neighbours
     Scene scene = glossyRoom();
-    Hinted hinted(scene, {.hints = 2048});
+    Hinted hinted(scene);
     const Receivers receivers = seenFrom(hinted.tracer, vec3(0.1f, 0.1f, 0.5f), 1024);
     std::vector<std::vector<vec3>> frames;
     for (int frame = 0; frame < kFrames; ++frame) {
@@ -359,8 +363,8 @@ TEST(RadianceHints, doNotFlickerUnderAMovingLight) {
 TEST(RadianceHints, ofNestedVolumesAgree) {
     const Scene scene = sphereRoom(0.5f);
     const Bounds part{.lower = vec3(0.2f, -1.0f, -1.0f), .upper = vec3(2.0f, 1.0f, 1.0f)};
-    const Hinted hinted(scene, {.hints = 1000, .bounces = 1}, {part});
-    const Hinted coarse(scene, {.hints = 1000, .bounces = 1});
+    const Hinted hinted(scene, {.hints = 500, .samples = 512, .bounces = 1}, {part});
+    const Hinted coarse(scene, {.hints = 500, .samples = 512, .bounces = 1});
     EXPECT_GT(hinted.hints.count(), coarse.hints.count());
     const Receivers receivers = seenFrom(hinted.tracer, vec3(0.1f));
     EXPECT_LT(

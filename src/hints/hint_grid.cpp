@@ -5,6 +5,7 @@
 
 #include "core/directions.h"
 #include "core/parallel.h"
+#include "hints/even_directions.h"
 #include "rays/jitter.h"
 #include "rays/surface_point.h"
 
@@ -15,19 +16,6 @@ namespace {
 // none lies in a surface that halves the box.
 constexpr float kShift = 0.01f;
 constexpr int kGrain = 8;
-
-// Evenly spread over the sphere. [HM12]
-std::array<vec3, HintGrid::kLooks> fibonacciSphere() {
-    std::array<vec3, HintGrid::kLooks> directions;
-    const double golden = kPi * (3.0 - std::sqrt(5.0));
-    for (int i = 0; i < HintGrid::kLooks; ++i) {
-        const double z = 1.0 - (2.0 * i + 1.0) / HintGrid::kLooks;
-        const double r = std::sqrt(1.0 - z * z);
-        directions[static_cast<size_t>(i)] =
-            vec3(r * std::cos(golden * i), r * std::sin(golden * i), z);
-    }
-    return directions;
-}
 
 // From the middle of a box of these half sides along a unit direction to its border.
 float toBorder(const vec3& half, const vec3& d) {
@@ -80,8 +68,8 @@ HintLattice latticeWithin(const HintLattice& whole, const Bounds& box, int hints
     return lattice;
 }
 
-const std::array<vec3, HintGrid::kLooks>& HintGrid::directions() {
-    static const std::array<vec3, kLooks> kDirections = fibonacciSphere();
+const std::vector<vec3>& HintGrid::directions() {
+    static const std::vector<vec3> kDirections = evenDirections(kLooks);
     return kDirections;
 }
 
@@ -97,18 +85,38 @@ HintGrid::HintGrid(const Tracer& tracer, const HintLattice& lattice)
         lattice_.count(), [this](int hint) { link(hint); }, kGrain);
 }
 
+uint32_t HintGrid::seedOf(int hint) const {
+    const ivec3 place = lattice_.first + lattice_.at(hint);
+    return pcgHash(
+        static_cast<uint32_t>(place.x) +
+        pcgHash(static_cast<uint32_t>(place.y) + pcgHash(static_cast<uint32_t>(place.z))));
+}
+
+mat3 HintGrid::rotationOf(int hint) const {
+    constexpr uint32_t kTurn = kLooks;  // random numbers beyond those of looks
+    const uint32_t seed = seedOf(hint);
+    const vec2 u = randomPlace(seed, kTurn);
+    const float turn = 2.0f * kPi * randomPlace(seed, kTurn + 1).x;
+    const float z = 1.0f - 2.0f * u.x;
+    const float r = std::sqrt(std::max(1.0f - z * z, 0.0f));
+    const mat3 frame =
+        tangentFrame(vec3(r * std::cos(2.0f * kPi * u.y), r * std::sin(2.0f * kPi * u.y), z));
+    const float c = std::cos(turn), s = std::sin(turn);
+    return {c * frame[0] + s * frame[1], c * frame[1] - s * frame[0], frame[2]};
+}
+
 // What lies around a hint. A point of its cell is along each ray, before what this meets.
 void HintGrid::look(int hint) {
     constexpr float kBefore = 0.9f;
     const ivec3 at = lattice_.at(hint);
     const vec3 middle = lattice_.middle(at);
-    const std::array<vec3, kLooks>& d = directions();
+    const mat3 rotation = rotationOf(hint);
+    std::array<vec3, kLooks> d;
+    std::transform(directions().begin(), directions().end(), d.begin(),
+                   [&](const vec3& direction) { return rotation * direction; });
     std::array<Hit, kLooks> hits;
     tracer_.meet({.origin = middle, .directions = d}, hits.data());
-    const ivec3 place = lattice_.first + at;
-    const uint32_t seed =
-        pcgHash(static_cast<uint32_t>(place.x) +
-                pcgHash(static_cast<uint32_t>(place.y) + pcgHash(static_cast<uint32_t>(place.z))));
+    const uint32_t seed = seedOf(hint);
     for (size_t k = 0; k < d.size(); ++k) {
         const size_t i = static_cast<size_t>(hint) * kLooks + k;
         const float u = randomPlace(seed, static_cast<uint32_t>(k)).x;

@@ -73,14 +73,17 @@ struct HintLook {
 /// Safe to use from many threads. The tracer must outlive it.
 class HintGrid {
   public:
-    /// Directions in which a hint looks, evenly spread, the same for all; and points of its cell.
+    /// Directions in which a hint looks, evenly spread, turned at random; and points of its cell.
     static constexpr int kLooks = 32;
 
     HintGrid(const Tracer& tracer, const HintLattice& lattice);
     HintGrid(HintGrid&&) = default;
 
     const HintLattice& lattice() const { return lattice_; }
-    static const std::array<vec3, kLooks>& directions();
+    /// A rotation of its own, which follows from the hint's place in the lattice alone.
+    mat3 rotationOf(int hint) const;
+    /// [look], before its rotation.
+    static const std::vector<vec3>& directions();
     /// [look]: points spread over the hint's cell, on its side of whatever stands in it.
     const vec3* pointsOf(int hint) const { return &points_[static_cast<size_t>(hint) * kLooks]; }
     /// [look]
@@ -103,6 +106,7 @@ class HintGrid {
     std::array<vec3, 4> kernel(const Place& place) const;
 
   private:
+    uint32_t seedOf(int hint) const;
     void look(int hint);
     void link(int hint);
     bool linked(const ivec3& from, const ivec3& to) const;

@@ -117,25 +117,28 @@ void RadianceHints::anchorLooksOf(int hint, size_t index) {
 }
 
 // Each direction is asked from a point of the hint's cell.
-RadianceHints::Values RadianceHints::ofSky(const Volume& volume,
-                                           const std::vector<SkySample>& sky) const {
+RadianceHints::Values RadianceHints::ofSky(const Volume& volume, const SkySamples& sky) const {
+    static_assert(SkySamples::kCount % Tracer::kPacket == 0);
     Values light = dark(volume);
     const auto light_hint = [&](int hint) {
         const vec3* points = volume.grid.pointsOf(hint);
+        const mat3 rotation = volume.grid.rotationOf(hint);
+        const vec2 shift = vec2(0.5f) + 0.5f * vec2(rotation[0]);
         float* sums = &light[static_cast<size_t>(hint) * stride()];
-        for (size_t first = 0; first < sky.size(); first += Tracer::kPacket) {
-            const size_t count = std::min(sky.size() - first, size_t{Tracer::kPacket});
+        for (int first = 0; first < SkySamples::kCount; first += Tracer::kPacket) {
             std::array<Way, Tracer::kPacket> ways;
-            for (size_t k = 0; k < count; ++k) {
-                ways[k] = {.start = points[(first + k) % HintGrid::kLooks],
-                           .direction = sky[first + k].wi,
-                           .length = kInfinity};
+            std::array<vec3, Tracer::kPacket> lights;
+            for (int k = 0; k < Tracer::kPacket; ++k) {
+                const SkySamples::Sample sample = sky.at(first + k, rotation, shift);
+                ways[static_cast<size_t>(k)] = {.start = points[(first + k) % HintGrid::kLooks],
+                                                .direction = sample.wi,
+                                                .length = kInfinity};
+                lights[static_cast<size_t>(k)] = sample.light;
             }
-            const Tracer::Shares shares = tracer_.passing({ways.data(), count});
-            for (size_t k = 0; k < count; ++k) {
+            const Tracer::Shares shares = tracer_.passing(ways);
+            for (size_t k = 0; k < ways.size(); ++k) {
                 if (shares[k] > 0.0f) {
-                    addHintLight(sky[first + k].wi, shares[k] * sky[first + k].light, params_.order,
-                                 sums);
+                    addHintLight(ways[k].direction, shares[k] * lights[k], params_.order, sums);
                 }
             }
         }
@@ -226,12 +229,13 @@ std::vector<RadianceHints::Values> RadianceHints::scattered(
             volume.grid.lattice().count(),
             [&](int hint) {
                 const HintLook* looks = volume.grid.looksOf(hint);
+                const mat3 rotation = volume.grid.rotationOf(hint);
                 float* sums = &values[static_cast<size_t>(hint) * stride()];
                 for (size_t k = 0; k < HintGrid::kLooks; ++k) {
                     if (looks[k].found()) {
                         const size_t look = static_cast<size_t>(hint) * HintGrid::kLooks + k;
                         const vec3 irradiance = irradianceAtLook(volume, look, looks[k], light);
-                        addHintLight(HintGrid::directions()[k],
+                        addHintLight(rotation * HintGrid::directions()[k],
                                      looks[k].albedo * irradiance * (kEach / kPi), params_.order,
                                      sums);
                     }
@@ -266,9 +270,8 @@ void RadianceHints::followBounces(std::vector<Values> last, std::vector<Values>&
 }
 
 void RadianceHints::fill(const SceneLights& lights) {
-    constexpr int kSky = 64;
     samples_ = litSamples(tracer_, lights, params_.samples);
-    const std::vector<SkySample> sky = skySamples(tracer_.scene().environment, kSky);
+    const SkySamples sky(tracer_.scene().environment);
     // The sky's own light, and what is scattered once.
     std::vector<Values> sum;
     for (const Volume& volume : volumes_) {

@@ -73,7 +73,7 @@ class RadianceHints {
     size_t volumeAt(const vec3& p, size_t from) const;
     void anchorLooks(size_t volume);
     void anchorLooksOf(int hint, size_t volume);
-    Values ofSky(const Volume& volume, const std::vector<SkySample>& sky) const;
+    Values ofSky(const Volume& volume, const SkySamples& sky) const;
     Values ofSamples(const Volume& volume) const;
     void addSamples(const HintGrid& grid, int hint, float* sums) const;
     std::vector<Values> scattered(const std::vector<Values>& light) const;

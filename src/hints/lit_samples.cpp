@@ -7,6 +7,7 @@
 
 #include "core/directions.h"
 #include "core/parallel.h"
+#include "hints/even_directions.h"
 #include "light/triangle_grid.h"
 
 namespace sheen {
@@ -216,26 +217,23 @@ vec3 LitSample::toward(const vec3& wo, float d2, float width) const {
     return shared::evalBrdf(seen, surface.n, wo, wi) * received;
 }
 
-std::vector<SkySample> skySamples(const Environment& environment, int count) {
-    std::vector<SkySample> samples;
-    if (environment.empty()) {
-        return samples;
+SkySamples::SkySamples(const Environment& environment)
+    : environment_(environment), sampler_(environment) {
+    if (environment.texels.width * environment.texels.height == 1) {
+        even_ = evenDirections(kCount);
     }
-    const SkySampler sky(environment);
-    const bool even = environment.texels.width * environment.texels.height == 1;
-    const float share = 1.0f / static_cast<float>(count);
-    for (uint32_t i = 0; i < static_cast<uint32_t>(count); ++i) {
-        if (even) {
-            const vec3 wi = directionInCone(vec3(0, 1, 0), -1.0f, spread(i));
-            samples.push_back({wi, sky.radiance(wi) * (4.0f * kPi * share)});
-        } else {
-            const SkySampler::Sample s = sky.sample(vec3(0, 1, 0), spread(i));
-            if (s.density > 0.0f) {
-                samples.push_back({s.wi, s.radiance * (share / s.density)});
-            }
-        }
+}
+
+SkySamples::Sample SkySamples::at(int index, const mat3& rotation, const vec2& shift) const {
+    constexpr float kShare = 1.0f / kCount;
+    if (!even_.empty()) {
+        const vec3 wi = rotation * even_[static_cast<size_t>(index)];
+        return {wi, environment_.radiance(wi) * (4.0f * kPi * kShare)};
     }
-    return samples;
+    // By its brightness, whatever the normal.
+    const vec2 u = glm::fract(spread(static_cast<uint32_t>(index)) + shift);
+    const SkySampler::Sample s = sampler_.sample(vec3(0, 1, 0), u);
+    return {s.wi, s.density > 0.0f ? s.radiance * (kShare / s.density) : vec3(0.0f)};
 }
 
 std::vector<LitSample> litSamples(const Tracer& tracer, const SceneLights& lights, int count) {

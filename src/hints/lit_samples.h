@@ -27,14 +27,28 @@ struct LitSample {
     vec3 toward(const vec3& wo, float d2, float width) const;
 };
 
-/// From where the sky shines, its radiance times the solid angle that the direction stands for.
-struct SkySample {
-    vec3 wi;  ///< unit, away from the scene
-    vec3 light;
-};
+/// A sky as hints ask it: by directions that are evenly spread, where it is of one colour, or by
+/// its brightness. The environment must outlive it.
+class SkySamples {
+  public:
+    explicit SkySamples(const Environment& environment);
 
-/// So many directions of a sky, evenly spread or by its brightness; none where there is none.
-std::vector<SkySample> skySamples(const Environment& environment, int count);
+    static constexpr int kCount = 256;
+    bool empty() const { return environment_.empty(); }
+
+    struct Sample {
+        vec3 wi;     ///< unit, away from the scene
+        vec3 light;  ///< radiance times the solid angle that the direction stands for
+    };
+    /// Of kCount samples the one of that index. Who asks turns or, in [0, 1)^2, shifts all of them,
+    /// so that neighbours do not ask the same.
+    Sample at(int index, const mat3& rotation, const vec2& shift) const;
+
+  private:
+    const Environment& environment_;
+    std::vector<vec3> even_;  // of a sky of one colour
+    SkySampler sampler_;
+};
 
 /// About `count` samples in all, shared among punctual lights and lamps by their power; fewer
 /// where rays meet nothing. A light's samples lie in directions that are fixed about it, so that
