@@ -67,7 +67,7 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
       tracer(timed(seconds.gather, [&] { return Tracer(scene); })),
-      lights(timed(seconds.gather, [&] { return SceneLights(tracer); })) {
+      lights(timed(seconds.gather, [&] { return std::make_optional<SceneLights>(tracer); })) {
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
@@ -76,6 +76,14 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
 
 bool SceneState::keepsCausticsApart(const RenderParams& params) const {
     return specular && params.caustics > 0 && road == GatherRoad::kRays;
+}
+
+void SceneState::relight() {
+    again.reset();
+    outgoing.reset();
+    near.clear();
+    lights.emplace(tracer);
+    specular = anySpecular(scene);
 }
 
 void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds) {
@@ -91,7 +99,7 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
     }
     const StageTimer timer(seconds.gather);
     // The raster road gathers what lamps send, as light of surfaces.
-    outgoing.emplace(tracer, road == GatherRoad::kRays ? &lights : nullptr, near);
+    outgoing.emplace(tracer, road == GatherRoad::kRays ? &*lights : nullptr, near);
 }
 
 std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers& receivers,
@@ -137,7 +145,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {
-            gbuffer.direct = directWithCoats(state.tracer, state.lights, gbuffer);
+            gbuffer.direct = directWithCoats(state.tracer, *state.lights, gbuffer);
             if (!gbuffer.coat.empty() && params.method == Method::kRadiance) {
                 coats = coatsOf(state.scene, gbuffer);
             }
@@ -152,7 +160,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     Image<float> before;
     if (params.aa > 1) {
         const StageTimer timer(seconds.gbuffer);
-        edges = findEdges(state.tracer, state.lights, camera, receivers, {veil, share},
+        edges = findEdges(state.tracer, *state.lights, camera, receivers, {veil, share},
                           params.sh_order, params.aa);
         before = takeWhole(*edges, share);
     }
@@ -194,7 +202,7 @@ void ViewState::findCaustics(const SceneState& state, const RenderParams& params
     }
     const SeenSpace space(points);
     const PhotonMap photons(
-        traceCaustics(state.tracer, state.lights, space, params.caustics, params.bounces),
+        traceCaustics(state.tracer, *state.lights, space, params.caustics, params.bounces),
         space.reach());
     caustic_photons = photons.size();
     const CausticLight of_pixels = causticLight(state.tracer, photons, receivers);

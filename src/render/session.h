@@ -20,10 +20,10 @@ namespace sheen {
 struct SceneState {
     const Scene& scene;
     const GatherRoad road;
-    const bool specular;  // some surface is
+    bool specular;  // some surface is
     gl::WorkerPool pool;
     Tracer tracer;
-    SceneLights lights;
+    std::optional<SceneLights> lights;      // always there
     std::optional<ScatteredOnce> outgoing;  // what rays see of one bounce
     GpuScene gpu;                           // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
@@ -37,6 +37,9 @@ struct SceneState {
     bool keepsCausticsApart(const RenderParams& params) const;
     /// Makes cells and shadow maps for what is near a view (nearBoxes()), unless there are such.
     void prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds);
+    /// To be called where the scene's lights, or what its materials reflect or emit, changed: makes
+    /// what depends on them anew. Rays alone; textures and alpha must stay.
+    void relight();
     /// Light of more bounces than one for what is looked for from these receivers. `reuse`: what
     /// was made for a former view, unless it lacks light where this one looks.
     std::shared_ptr<const ScatteredAgain> scatteredAgain(const Receivers& receivers, int bounces,
