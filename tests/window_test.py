@@ -116,8 +116,11 @@ class Window(unittest.TestCase):
             self.fail(what)
 
         self.xdotool("key", "Tab")  # the panel goes
-        save()
-        first = until(lambda image: difference(image, saved[-2]) == 0, "the image becomes complete")
+        end = time.monotonic() + LIMIT
+        while "refining" in self.xdotool("getwindowname", name):
+            self.assertLess(time.monotonic(), end, "the image becomes complete")
+            time.sleep(0.2)
+        first = save()
         self.xdotool("mousemove", 80, 60, "mousedown", 1)
         for x in range(80, 130, 10):
             self.xdotool("mousemove", x, 60)

@@ -170,8 +170,14 @@ class Viewer {
         opened_ = std::move(opened);
         shown_.reset();
         held_.reset();
-        window_.setTitle(
-            fmt::format("Sheen - {}", std::filesystem::path(path).filename().string()));
+        entitle(false);
+    }
+
+    void entitle(bool complete) {
+        window_.setTitle(fmt::format("Sheen - {}{}",
+                                     std::filesystem::path(opened_->file).filename().string(),
+                                     complete ? "" : " (refining)"));
+        entitled_complete_ = complete;
     }
 
     double gbufferSeconds() const {
@@ -207,6 +213,9 @@ class Viewer {
     }
 
     void followNewImage() {
+        if (shown_->complete != entitled_complete_) {
+            entitle(shown_->complete);
+        }
         if (benchmark_ && benchmark_->follow(*shown_, *opened_->live)) {
             window_.close();
         }
@@ -493,7 +502,7 @@ class Viewer {
     std::unique_ptr<Opened> opened_;
     std::shared_ptr<const Shown> shown_;
     std::optional<Image<Rgb8>> held_;
-    bool showing_held_ = false, screenshot_taken_ = false;
+    bool showing_held_ = false, screenshot_taken_ = false, entitled_complete_ = false;
     std::optional<Benchmark> benchmark_;
 };
 
