@@ -19,5 +19,7 @@ Command addCompare(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addChart(CLI::App& program);
 Command addBake(CLI::App& program);
+Command addManual(CLI::App& program);
+Command addCompletion(CLI::App& program);
 
 }  // namespace sheen::cli

@@ -44,8 +44,9 @@ int parseAndRun(int argc, char** argv) {
     program.set_help_flag("-h,--help", "Print this help and exit");
     program.require_subcommand(1);
     program.footer(kFooter);
-    const Command commands[] = {addRender(program), addCompare(program), addInfo(program),
-                                addChart(program), addBake(program)};
+    const Command commands[] = {addRender(program),    addCompare(program), addInfo(program),
+                                addChart(program),     addBake(program),    addManual(program),
+                                addCompletion(program)};
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

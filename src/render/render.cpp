@@ -408,7 +408,7 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
 }  // namespace
 
 Camera viewOf(const Scene& scene, const RenderParams& params) {
-    Camera camera = findCamera(scene, params.camera);
+    Camera camera = params.view ? *params.view : findCamera(scene, params.camera);
     camera.window = params.window;
     return camera;
 }
@@ -452,7 +452,7 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             if (params.gather_road == GatherRoad::kRaster && params.bounces != 1) {
                 throwUsage("--bounces: records that are rasterised have 1; use --gather ray");
             }
-            findCamera(scene_, params.camera);  // before anything is made for it
+            viewOf(scene_, params);  // before anything is made for it
             StageSeconds seconds;
             if (!state_ || state_->road != params.gather_road) {
                 state_.reset();  // never two of them in memory

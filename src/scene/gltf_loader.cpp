@@ -6,6 +6,7 @@
 
 #include "scene/defaults.h"
 #include "scene/gltf_parts.h"
+#include "scene/scene_bytes.h"
 #include "scene/sun.h"
 
 namespace sheen {
@@ -105,30 +106,26 @@ void addStudio(File& file, const EnvironmentParams& environment, Scene& scene) {
               "another sky or, by none, not at all");
 }
 
-}  // namespace
-}  // namespace gltf
-
-Scene loadScene(const std::string& path, const LoadParams& params) {
+Scene load(File& file, const LoadParams& params) {
     const EnvironmentParams& environment = params.environment;
-    gltf::File file{.path = path, .model = {}, .keeps_sources = params.sources, .notes = {}};
     Scene scene;
     try {
-        gltf::parse(file);
-        gltf::chooseVariant(file, params.variant);
-        gltf::loadMaterials(file, scene);
-        gltf::checkMeshMemory(file);
-        gltf::flatten(file, params, scene);
-        gltf::checkExtent(file, scene);
-        gltf::placeParallelCameras(file, scene);
-        gltf::checkLightLevel(file, scene);
-        gltf::dropIdleBlending(scene);
-        gltf::separateCoplanar(file, scene);
+        parse(file);
+        chooseVariant(file, params.variant);
+        loadMaterials(file, scene);
+        checkMeshMemory(file);
+        flatten(file, params, scene);
+        checkExtent(file, scene);
+        placeParallelCameras(file, scene);
+        checkLightLevel(file, scene);
+        dropIdleBlending(scene);
+        separateCoplanar(file, scene);
     } catch (const std::bad_alloc&) {
-        throwEnvironment("{}: not enough memory to load it", path);
+        throwEnvironment("{}: not enough memory to load it", file.path);
     }
-    gltf::noteIgnoredParts(file);
-    gltf::listFeatures(file, scene);
-    gltf::addEnvironment(file, environment, scene);
+    noteIgnoredParts(file);
+    listFeatures(file, scene);
+    addEnvironment(file, environment, scene);
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");
     }
@@ -141,15 +138,35 @@ Scene loadScene(const std::string& path, const LoadParams& params) {
         }
     }
     if (!scene.triangles.empty() && environment.source != "none" && isDark(scene)) {
-        gltf::addStudio(file, environment, scene);
+        addStudio(file, environment, scene);
     }
     if (params.view.given()) {
         scene.cameras.insert(scene.cameras.begin(), seenFrom(scene, params));
     }
     scene.files = std::move(file.read);
-    scene.files.push_back(path);
+    scene.files.push_back(file.path);
     scene.warnings = file.notes.lines();
     return scene;
+}
+
+}  // namespace
+}  // namespace gltf
+
+Scene loadScene(const std::string& path, const LoadParams& params) {
+    gltf::File file{.path = path, .model = {}, .keeps_sources = params.sources, .notes = {}};
+    return gltf::load(file, params);
+}
+
+Scene sceneFromBytes(const std::string& name, std::string bytes, const LoadParams& params) {
+    if (bytes.empty()) {
+        throwInput("{}: is empty", name);
+    }
+    gltf::File file{.path = name,
+                    .bytes = std::move(bytes),
+                    .model = {},
+                    .keeps_sources = params.sources,
+                    .notes = {}};
+    return gltf::load(file, params);
 }
 
 }  // namespace sheen
