@@ -70,10 +70,6 @@ std::string synopsis(const CLI::App& app) {
     return text;
 }
 
-std::vector<const CLI::App*> commandsOf(const CLI::App& program) {
-    return program.get_subcommands([](const CLI::App*) { return true; });
-}
-
 // Opens a page: its name, its title, what it is.
 std::string opening(const std::string& name, const std::string& what) {
     return fmt::format(".TH \"{}\" 1 \"\" \"sheen {}\" \"Sheen\"\n.SH NAME\n{} \\- {}\n", name,
@@ -113,6 +109,10 @@ std::vector<std::string> valuesOf(const CLI::Option& option) {
 }
 
 }  // namespace
+
+std::vector<const CLI::App*> commandsOf(const CLI::App& program) {
+    return program.get_subcommands([](const CLI::App*) { return true; });
+}
 
 std::string manualPage(const CLI::App& program, const std::string& command) {
     if (command.empty()) {

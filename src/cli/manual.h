@@ -4,8 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace sheen::cli {
+
+/// The program's, in the order they were added.
+std::vector<const CLI::App*> commandsOf(const CLI::App& program);
 
 /// The manual page, as troff, of the program, or of one of its commands where `command` names it.
 /// Usage error where there is none.
