@@ -143,6 +143,19 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
             kCached);
 }
 
+// What is kept for other views and runs.
+void addCacheOption(CLI::App& app, RenderOptions& o) {
+    const Limiter limited{o};
+    limited(app.add_option("--cache", o.cache,
+                           "radiance, irradiance: file of records. Those of it that the view sees "
+                           "are used and only what is missing is gathered; all are written back. "
+                           "One of another scene or other options is refused")
+                ->type_name("FILE")
+                ->check(fileName()),
+            kCached)
+        ->default_str("");
+}
+
 // What records, and paths, sample.
 void addSamplingOptions(CLI::App& app, RenderOptions& o) {
     RenderParams& p = o.params;
@@ -303,6 +316,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& o) {
     addImageOptions(app, o);
     addMethodOptions(app, o);
     addSamplingOptions(app, o);
+    addCacheOption(app, o);
     addProgramOptions(app, o);
 }
 
