@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 int main(int argc, char** argv) {
-    const sheen_option options[] = {{"size", "128x128"}, {"accuracy", "1"}};
+    const sheen_option options[] = {{"size", "96x96"}, {"accuracy", "1"}};
     sheen_scene* scene = NULL;
     sheen_session* session = NULL;
     sheen_frame* frame = NULL;

@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
     }
     try {
         const sheen::Session session(sheen::Scene::load(argv[1]));
-        const sheen::Frame frame = session.render({{"size", "128x128"}, {"accuracy", 1.0}});
+        const sheen::Frame frame = session.render({{"size", "96x96"}, {"accuracy", 1.0}});
         frame.write(argv[2]);
         std::printf("error about %.1f%%\n", 100 * frame.figure("estimated_rel_rmse"));
     } catch (const sheen::Error& error) {

@@ -6,7 +6,7 @@ import sheen
 
 if len(sys.argv) != 3:
     sys.exit(__doc__)
-frame = sheen.render(sys.argv[1], width=128, height=128, accuracy=1.0)
+frame = sheen.render(sys.argv[1], width=96, height=96, accuracy=1.0)
 frame.write(sys.argv[2])
 beauty = frame["beauty"]  # numpy, [row][column][R, G, B], nits
 print(f"brightest {beauty.max():.3g} nits; error about {100 * frame.figures['estimated_rel_rmse']:.1f}%")

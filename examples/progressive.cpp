@@ -45,6 +45,7 @@ void render(const char* output, double target, double seconds) {
     const sheen::Listener in_time{
         .progress = [&](const std::string&, double) { return elapsed() < seconds; }};
     const sheen::Session session(corner());
+    session.keepRecords();  // each image begins with those of the one before
     for (double accuracy = 2.0; accuracy > 0.05; accuracy /= 2) {
         const sheen::Frame frame =
             session.render({{"width", 160}, {"height", 120}, {"aa", 1}, {"accuracy", accuracy}},

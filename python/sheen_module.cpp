@@ -348,7 +348,8 @@ sheen::Frame renderFile(const py::object& scene, py::kwargs kwargs) {
     return renderFrame(sheen::Session(loadScene(scene, of_scene)), kwargs);
 }
 
-// Raises sheen.Error by its kind: UsageError, InputError, EnvironmentError, CancelledError, BugError.
+// Raises sheen.Error by its kind: UsageError, InputError, EnvironmentError, CancelledError,
+// BugError.
 void addErrors(py::module_& module) {
     static py::handle error, kinds[6];  // immortal, as the module is
     error = PyErr_NewException("sheen.Error", PyExc_RuntimeError, nullptr);
@@ -409,7 +410,15 @@ PYBIND11_MODULE(sheen, module) {
     py::class_<sheen::Session>(module, "Session",
                                "Renders frames of a scene, which share what is "
                                "made of it.")
-        .def(py::init<const sheen::Scene&>(), py::arg("scene"))
+        .def(py::init([](const sheen::Scene& scene, bool keep_records) {
+                 sheen::Session session(scene);
+                 if (keep_records) {
+                     session.keepRecords();
+                 }
+                 return session;
+             }),
+             py::arg("scene"), py::arg("keep_records") = false,
+             "keep_records: a frame begins with the records of former ones.")
         .def("render", &renderFrame,
              "A Frame. Options: those of `sheen render --help`, such as target_error=0.02; width "
              "and height; progress=function(what, done), whose False cancels.");

@@ -24,10 +24,11 @@ TEST(Library, WritesTheFileThatTheProgramWrites) {
     const std::string by_library = (folder.path() / "library.exr").string();
     const std::string command =
         std::string(SHEEN_PROGRAM) + " render '" + scenePath("cornell_glossy") +
-        "' --size 24x20 --layers all --accuracy 1 -o '" + by_program + "' > /dev/null";
+        "' --size 24x20 --layers all --accuracy 1 --bounces 1 -o '" + by_program + "' > /dev/null";
     ASSERT_EQ(std::system(command.c_str()), 0);
     const Session session(Scene::load(scenePath("cornell_glossy")));
-    session.render({{"width", 24}, {"height", 20}, {"layers", "all"}, {"accuracy", 1}})
+    session
+        .render({{"width", 24}, {"height", 20}, {"layers", "all"}, {"accuracy", 1}, {"bounces", 1}})
         .write(by_library);
     EXPECT_FALSE(bytesOf(by_library).empty());
     EXPECT_TRUE(bytesOf(by_library) == bytesOf(by_program));
@@ -86,6 +87,31 @@ TEST(Library, EachFrameIsTheSameWhateverWasBeforeAndWhateverTheThreads) {
     expectSame(session.render(small({{"threads", 1}})), first);
     Options two = small({{"threads", 2}});
     expectSame(Session(scene).render(two), first);
+}
+
+TEST(Library, RecordsAreKeptWhereAskedFor) {
+    const Scene scene = Scene::load(scenePath("cornell_glossy"));
+    const Session session(scene);
+    session.render(small());
+    EXPECT_EQ(session.render(small()).figure("records_reused"), 0.0);
+    session.keepRecords();
+    const Frame first = session.render(small());
+    const Frame finer =
+        session.render({{"size", "24x20"}, {"aa", 1}, {"accuracy", 1.0}, {"bounces", 1}});
+    EXPECT_GT(finer.figure("records_reused"), 0.5 * first.figure("records"));
+    EXPECT_GT(finer.figure("records"), finer.figure("records_reused"));
+}
+
+TEST(Library, RecordsOfAFileServeTheNextRun) {
+    const TestFolder folder;
+    const Options cached = small({{"cache", (folder.path() / "records").string()}});
+    const Scene scene = Scene::load(scenePath("cornell_glossy"));
+    EXPECT_EQ(Session(scene).render(cached).figure("records_reused"), 0.0);
+    const Session session(scene);
+    EXPECT_GT(session.render(cached).figure("records_reused"), 0.0);
+    expectSame(session.render(small()), Session(scene).render(small()));
+    expectError(ErrorKind::usage, "option cache: records are kept only of scenes",
+                [&] { Session(Scene::fromArrays(floorBelow({}))).render(cached); });
 }
 
 TEST(Library, SessionsRenderSideBySide) {
@@ -156,6 +182,9 @@ TEST(LibraryErrors, AreOneLineOfTheirKind) {
                 });
     expectError(ErrorKind::usage, "--accuracy: 7 is not a number in 0.01..2", [&] {
         session.render({{"accuracy", 7}});
+    });
+    expectError(ErrorKind::usage, "option accuracy: is given twice", [&] {
+        session.render(small({{"accuracy", 1}}));
     });
     expectError(ErrorKind::usage, "--size 0x512: must be WIDTHxHEIGHT", [&] {
         session.render({{"width", 0}});

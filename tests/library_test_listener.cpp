@@ -21,7 +21,7 @@ TEST(LibraryListener, HearsWarningsAndNothingIsPrinted) {
     Session(Scene::fromArrays(darkFloor(), {}, listener)).render(small(), listener);
     Session(Scene::fromArrays(darkFloor())).render(small());  // to no one
     Session(Scene::load(scenePath("cornell_glossy")))
-        .render({{"method", "reference"}, {"size", "96x96"}, {"spp", 64}});
+        .render({{"method", "reference"}, {"size", "64x64"}, {"spp", 64}});
     EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
     ASSERT_EQ(warnings.size(), 1u);
@@ -53,7 +53,8 @@ TEST(LibraryListener, CancelsAndTheSessionGoesOn) {
         const Listener listener{
             .progress = [&](const std::string&, double) { return ++calls < 2; }};
         expectError(ErrorKind::cancelled, "cancelled", [&] {
-            session.render({{"method", method}, {"size", "64x64"}, {"aa", 1}}, listener);
+            session.render({{"method", method}, {"size", "40x40"}, {"aa", 1}, {"bounces", 1}},
+                           listener);
         });
         EXPECT_EQ(calls, 2) << method;
     }

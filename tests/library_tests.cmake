@@ -11,8 +11,8 @@ add_test(NAME Library.HeaderIsC
          COMMAND ${CMAKE_C_COMPILER} -std=c99 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c
                  ${PROJECT_SOURCE_DIR}/include/sheen/sheen_c.h)
 add_test(NAME Library.HeaderIsCxx17
-         COMMAND ${CMAKE_CXX_COMPILER} -std=c++17 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c++
-                 -I${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/include/sheen/sheen.h)
+         COMMAND ${CMAKE_CXX_COMPILER} -std=c++17 -pedantic -Wall -Wextra -Werror -fsyntax-only
+                 -I${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/examples/image.cpp)
 add_test(NAME Library.ExampleInCRenders
          COMMAND image_c ${PROJECT_SOURCE_DIR}/scenes/cornell_diffuse.glb
                  ${CMAKE_CURRENT_BINARY_DIR}/image_c.exr)

@@ -48,6 +48,11 @@ class Module(unittest.TestCase):
         self.assertFalse((first["beauty"] == other["beauty"]).all())
         self.assertTrue((sheen.render(scene, **SMALL)["beauty"] == first["beauty"]).all())
 
+    def test_records_are_kept_where_asked_for(self):
+        session = sheen.Session(sheen.Scene(SCENES / "cornell_glossy.glb"), keep_records=True)
+        session.render(**SMALL)
+        self.assertGreater(session.render(**SMALL).figures["records_reused"], 0)
+
     def test_scenes_of_arrays(self):
         light = {"kind": "directional", "direction": (0, -1, 0), "intensity": (2, 2, 2)}
         scene = sheen.Scene.from_arrays([FLOOR], [{"base_color": (0.5, 0.4, 0.3), "roughness": 0.7}],

@@ -416,6 +416,11 @@ class Session {
             [&](sheen_error* error) { return sheen_session_new(scene.c(), &session, error); });
         session_ = {session, &sheen_session_free};
     }
+    /// From now on a frame begins with the records of former ones: sheen_session_keep_records().
+    void keepRecords() const {
+        detail::check(
+            [&](sheen_error* error) { return sheen_session_keep_records(session_.get(), error); });
+    }
     /// Options and errors: sheen_render().
     Frame render(const Options& options = {}, const Listener& listener = {}) const {
         const detail::Ear ear(listener);

@@ -67,13 +67,14 @@ typedef struct sheen_image {
     const uint8_t* rgba;
 } sheen_image;
 
-/** glTF's metallic-roughness material. Images may be NULL; they multiply what stands beside them. */
+/** glTF's metallic-roughness material. Images may be NULL; they multiply what stands beside them.
+ */
 typedef struct sheen_material {
-    const char* name;               /**< may be NULL */
-    float base_color[3];            /**< linear Rec. 709, [0, 1] */
-    float metallic, roughness;      /**< [0, 1] */
-    float emission[3];              /**< nits */
-    const sheen_image* color_image; /**< sRGB; its alpha is not looked at */
+    const char* name;                            /**< may be NULL */
+    float base_color[3];                         /**< linear Rec. 709, [0, 1] */
+    float metallic, roughness;                   /**< [0, 1] */
+    float emission[3];                           /**< nits */
+    const sheen_image* color_image;              /**< sRGB; its alpha is not looked at */
     const sheen_image* metallic_roughness_image; /**< linear: green roughness, blue metallic */
     const sheen_image* normal_image;             /**< tangent space, linear */
     const sheen_image* emission_image;           /**< sRGB */
@@ -100,9 +101,9 @@ typedef enum sheen_light_kind {
 
 typedef struct sheen_light {
     sheen_light_kind kind;
-    float position[3];  /**< not of a directional one */
-    float direction[3]; /**< along which it shines, any length; not of a point light */
-    float intensity[3]; /**< candela; of a directional light lux */
+    float position[3];            /**< not of a directional one */
+    float direction[3];           /**< along which it shines, any length; not of a point light */
+    float intensity[3];           /**< candela; of a directional light lux */
     float inner_cone, outer_cone; /**< half angles of a spot, radians; outer: at most pi / 2 */
 } sheen_light;
 
@@ -110,8 +111,8 @@ typedef struct sheen_camera {
     const char* name; /**< may be NULL */
     float position[3];
     float look_at[3];
-    float up[3];  /**< zero: +y */
-    float fov;    /**< vertical, degrees */
+    float up[3]; /**< zero: +y */
+    float fov;   /**< vertical, degrees */
 } sheen_camera;
 
 /** A scene; each array may be NULL where its count is 0. Copied: none is needed after the call. */
@@ -162,6 +163,10 @@ SHEEN_API int sheen_scene_bounds(const sheen_scene* scene, double bounds[6]);
 /** What frames of a scene share: it is made by the first and kept. */
 SHEEN_API sheen_status sheen_session_new(const sheen_scene* scene, sheen_session** session,
                                          sheen_error* error);
+/** From now on a frame begins with those records of former ones that it sees, and gathers only what
+ * is missing: finer images of a view, and views near it, come sooner. A frame then depends, within
+ * its error, on those before it. Called again, it begins anew. */
+SHEEN_API sheen_status sheen_session_keep_records(sheen_session* session, sheen_error* error);
 SHEEN_API void sheen_session_free(sheen_session* session);
 
 /** Renders a frame. Options: those of `sheen render` but for files and the scene's (above), and

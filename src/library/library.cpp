@@ -9,32 +9,35 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <system_error>
 
 #include "cli/render_report.h"
+#include "cli/render_wanted.h"
 #include "core/listener.h"
 #include "core/timer.h"
 #include "image/exr.h"
 #include "image/png.h"
 #include "library/arrays.h"
 #include "library/requests.h"
-#include "render/crop.h"
 #include "scene/defaults.h"
 #include "scene/scene_bytes.h"
 
 struct sheen_scene {
     std::string name;
+    bool from_file = false;
     std::shared_ptr<const sheen::Scene> scene;
 };
 
 struct sheen_session {
     std::string name;
+    bool from_file;
     std::shared_ptr<const sheen::Scene> scene;
     sheen::Session session;
     std::mutex mutex;  // of one frame at a time
 
     explicit sheen_session(const sheen_scene& of)
-        : name(of.name), scene(of.scene), session(*scene) {}
+        : name(of.name), from_file(of.from_file), scene(of.scene), session(*scene) {}
 };
 
 struct sheen_frame {
@@ -137,7 +140,7 @@ struct OptionList {
 
 // A scene that load(params) makes.
 template <class Load>
-sheen_status makeScene(const std::string& name, const OptionList& options,
+sheen_status makeScene(const std::string& name, bool from_file, const OptionList& options,
                        const sheen_listener* c_listener, sheen_scene** result, sheen_error* error,
                        const Load& load) {
     return guarded(error, [&] {
@@ -150,7 +153,7 @@ sheen_status makeScene(const std::string& name, const OptionList& options,
         for (const std::string& warning : scene->warnings) {
             warn(warning);
         }
-        *result = new sheen_scene{name, std::move(scene)};
+        *result = new sheen_scene{name, from_file, std::move(scene)};
     });
 }
 
@@ -184,10 +187,17 @@ std::unique_ptr<sheen_frame> renderedFrame(sheen_session& session, cli::RenderOp
     options.scene = session.name;
     options.output = "frame";  // in warnings
     chooseView(scene, options);
+    if (!options.cache.empty() && !session.from_file) {
+        throwUsage("option cache: records are kept only of scenes that are loaded from a file");
+    }
     RenderResult result;
     const auto render = [&] {
-        result = options.part ? renderPart(session.session, options.params, *options.part)
-                              : session.session.render(options.params);
+        // Records of a file are that frame's: the session's own stay what they are.
+        std::optional<Session> own;
+        if (!options.cache.empty()) {
+            own.emplace(scene);
+        }
+        result = cli::renderWanted(own ? *own : session.session, scene, options);
     };
     if (options.threads > 0) {
         tbb::task_arena(options.threads).execute(render);
@@ -218,26 +228,28 @@ sheen_status sheen_scene_load(const char* path, const sheen_option* options, siz
                               const sheen_listener* listener, sheen_scene** scene,
                               sheen_error* error) {
     const std::string name = path == nullptr ? "" : path;
-    return makeScene(name, {options, count}, listener, scene, error, [&](const LoadParams& params) {
-        checkGiven(path, "path");
-        return loadScene(name, params);
-    });
+    return makeScene(name, true, {options, count}, listener, scene, error,
+                     [&](const LoadParams& params) {
+                         checkGiven(path, "path");
+                         return loadScene(name, params);
+                     });
 }
 
 sheen_status sheen_scene_from_bytes(const void* bytes, size_t size, const sheen_option* options,
                                     size_t count, const sheen_listener* listener,
                                     sheen_scene** scene, sheen_error* error) {
     const std::string name = "bytes";
-    return makeScene(name, {options, count}, listener, scene, error, [&](const LoadParams& params) {
-        checkGiven(bytes, "bytes");
-        return sceneFromBytes(name, {static_cast<const char*>(bytes), size}, params);
-    });
+    return makeScene(
+        name, false, {options, count}, listener, scene, error, [&](const LoadParams& params) {
+            checkGiven(bytes, "bytes");
+            return sceneFromBytes(name, {static_cast<const char*>(bytes), size}, params);
+        });
 }
 
 sheen_status sheen_scene_from_arrays(const sheen_arrays* arrays, const sheen_option* options,
                                      size_t count, const sheen_listener* listener,
                                      sheen_scene** scene, sheen_error* error) {
-    return makeScene(kArrays, {options, count}, listener, scene, error,
+    return makeScene(kArrays, false, {options, count}, listener, scene, error,
                      [&](const LoadParams& params) {
                          checkGiven(arrays, "arrays");
                          return sceneFromBytes(kArrays, glbOf(*arrays), params);
@@ -278,6 +290,14 @@ sheen_status sheen_session_new(const sheen_scene* scene, sheen_session** session
         *session = nullptr;
         checkGiven(scene, "scene");
         *session = new sheen_session(*scene);
+    });
+}
+
+sheen_status sheen_session_keep_records(sheen_session* session, sheen_error* error) {
+    return guarded(error, [&] {
+        checkGiven(session, "session");
+        const std::lock_guard<std::mutex> lock(session->mutex);
+        session->session.keepRecords();
     });
 }
 

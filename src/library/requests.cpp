@@ -58,7 +58,7 @@ std::vector<std::string> argumentsOf(Call call, std::span<const sheen_option> op
                                      const CLI::App& app) {
     constexpr const char* kDefaultSide = "512";
     const std::vector<std::string> known = namesOf(call, app);
-    std::vector<std::string> arguments;
+    std::vector<std::string> arguments, given;
     std::string width, height;
     for (const sheen_option& option : options) {
         if (option.name == nullptr || option.value == nullptr) {
@@ -69,6 +69,10 @@ std::vector<std::string> argumentsOf(Call call, std::span<const sheen_option> op
         if (!is_side && std::find(known.begin(), known.end(), name) == known.end()) {
             failUnknown(name, known, call);
         }
+        if (std::find(given.begin(), given.end(), name) != given.end()) {
+            throwUsage("option {}: is given twice", name);
+        }
+        given.push_back(name);
         const std::string value = option.value;
         if (value.empty()) {
             continue;
