@@ -21,5 +21,8 @@ Command addChart(CLI::App& program);
 Command addBake(CLI::App& program);
 Command addManual(CLI::App& program);
 Command addCompletion(CLI::App& program);
+Command addAnimate(CLI::App& program);
+/// `arguments`: of the program, null at the end.
+Command addView(CLI::App& program, char** arguments);
 
 }  // namespace sheen::cli
