@@ -65,7 +65,7 @@ configure_and_build() {
     fi
     if [[ ! -e $build/build.ninja || ${#fresh[@]} -gt 0 ]] ||
         { [[ $tests == ON ]] && grep -qxF "SHEEN_TESTS:BOOL=OFF" "$cache"; }; then
-        cmake --preset release "${fresh[@]}" -DSHEEN_TESTS=$tests
+        cmake --preset release "${fresh[@]}" -DSHEEN_TESTS=$tests -DSHEEN_PYTHON=$tests
     fi
     cmake --build "$build" --target "$1"
 }
