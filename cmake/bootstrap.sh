@@ -9,9 +9,9 @@ packages=(
 )
 # What CMake asks for where tests and benchmarks are built too.
 test_build_packages=(libgtest-dev libbenchmark-dev pybind11-dev python3-dev)
-# What only ./check needs: the browser that opens the chart's report, plots of the benchmarks, arrays of
-# the Python module.
-test_packages=(chromium chromium-driver python3-selenium gnuplot-nox python3-numpy)
+# What only ./check needs: the browser that opens the chart's report, plots of the benchmarks, a window
+# system's server, arrays of the Python module.
+test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-pil python3-numpy)
 build="$root/build/release"
 log="$root/build/build.log"
 

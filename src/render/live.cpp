@@ -25,8 +25,9 @@ constexpr int kFinest = 2;  // of images of views that move
 constexpr int kBatch = 16;
 // Where an image is incomplete records serve as far as so many times their reach what none serves.
 constexpr float kFarther = 8.0f;
-// Rays of a pixel too glossy for the cache in a coarse image, over those of a whole one.
-constexpr float kCoarseRays = 0.1f;
+// Rays of a pixel too glossy for the cache before the image is complete, over those that it then
+// has.
+constexpr float kFewRays = 0.1f;
 
 bool isServed(const SplatBuffer& splat, size_t i) {
     return splat.irradiance.pixels[i].w > shared::MIN_WEIGHT_SUM;
@@ -164,9 +165,7 @@ struct LiveImage::State {
         p.width = std::max(params.width / of_divisor, 1);
         p.height = std::max(params.height / of_divisor, 1);
         p.aa = 1;
-        if (of_divisor > 1) {
-            p.specular.rays_per_alpha *= kCoarseRays;
-        }
+        p.specular.rays_per_alpha *= kFewRays;
         return p;
     }
     void begin(int at) {
@@ -311,7 +310,8 @@ void LiveImage::State::show() {
     progress.seconds.splat += splat_timer.seconds();
     const Timer compose_timer;
     frame = {};
-    compose(level->view.receivers, splat, specularByRays(level->view, splat), true, frame);
+    compose(level->view.receivers, splat, specularByRays(level->view, splat, level->full), true,
+            frame);
     for (size_t i = 0; i < level->view.of_coats.pixels.size(); ++i) {
         frame.indirect.pixels[i] += level->view.of_coats.pixels[i];
     }

@@ -49,7 +49,7 @@ class Benchmark {
         }
         figures_.records = std::max(figures_.records, shown.progress.records);
         if (phase_ == 0) {
-            if (!shown.progress.complete) {
+            if (!shown.complete) {
                 return false;
             }
             figures_.seconds_to_full = shown.at;
@@ -212,7 +212,7 @@ class Viewer {
         }
         const bool wanted = params_.screenshot_after > 0
                                 ? shown_->number >= params_.screenshot_after
-                                : shown_->progress.complete;
+                                : shown_->complete;
         if (!params_.screenshot.empty() && wanted && !screenshot_taken_) {
             screenshot_taken_ = true;
             writePng(params_.screenshot, shown_->pixels);
