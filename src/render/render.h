@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct RenderParams {
     int width = 512;
     int height = 512;
     std::string camera;  ///< name or index; empty: the scene's first
+    /// A camera that is none of the scene's; `camera` is then not used.
+    std::optional<Camera> view = {};
     /// The image that these pixels are a part of; none: all of it (render/crop.h).
     Camera::Window window = {};
     /// Samples of a pixel with edges, a power of two. 1: each pixel shows its middle, as studies
