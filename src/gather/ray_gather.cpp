@@ -6,6 +6,8 @@
 
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gather/face_directions.h"
+#include "gather/motion.h"
 #include "rays/jitter.h"
 
 namespace sheen {
@@ -35,34 +37,6 @@ constexpr float kUsualReach = 5.0f;
 constexpr float kSideStep = 1.25f;
 constexpr float kMostSteps = 2.0f;
 constexpr int kEnoughTexels = 128;  // no record takes more for its reach
-
-// A face of the hemisphere in world space.
-struct WorldFace {
-    mat3 axes;  // right, up, forward
-    mat3 inverse_axes;
-    vec2 step;  // from texel to texel, in u and v
-
-    WorldFace(const HemisphereFace& face, const mat3& frame)
-        : axes(frame * mat3(face.right, face.up, face.forward)),
-          inverse_axes(glm::inverse(axes)),
-          step(2.0f / vec2(face.width, face.height)) {}
-
-    vec3 direction(int x, int y, const vec2& place) const {
-        const vec2 uv = (vec2(x, y) + place) * step - 1.0f;
-        return glm::normalize(axes * vec3(uv, 1.0f));
-    }
-    // Where a direction meets the face, in texels; nothing where it does not.
-    std::optional<vec2> meet(const vec3& direction) const {
-        const vec3 p = inverse_axes * direction;
-        const vec2 uv = vec2(p) / p.z;
-        const bool meets = p.z > 0.0f && std::abs(uv.x) <= 1.0f && std::abs(uv.y) <= 1.0f;
-        return meets ? std::optional((uv + 1.0f) / step) : std::nullopt;
-    }
-};
-
-size_t texelOf(const Hemisphere& h, const HemisphereFace& face, int x, int y) {
-    return static_cast<size_t>((face.y + y) * h.width + face.x + x);
-}
 
 // Rays of a record, and the texels they are for. Directions below the surface, to where the shading
 // normal's hemisphere may reach, are not cast: nothing comes from there.
@@ -142,7 +116,7 @@ std::vector<float> contrastsOfNeighbours(const Hemisphere& h, std::span<const fl
 // What is smaller than a texel and bright, one ray in many meets, and no neighbour: half of the
 // variance lies in one texel of a hundred, and records nearby know which. Raises the contrasts of
 // the four texels that lie nearest to each of theirs. `scale`: what their strengths are times.
-void heedContrasts(const Hemisphere& h, std::span<const WorldFace> faces, const vec3& eye,
+void heedContrasts(const Hemisphere& h, std::span<const FaceDirections> faces, const vec3& eye,
                    std::span<const Contrast> found, float scale, std::vector<float>& contrasts) {
     for (const Contrast& c : found) {
         for (size_t f = 0; f < faces.size(); ++f) {
@@ -168,8 +142,8 @@ int raysMore(float contrast) {
 }
 
 // One ray through each texel, at a random place of its own.
-TexelRays raysThroughTexels(const Hemisphere& h, std::span<const WorldFace> faces, const vec3& n_g,
-                            uint32_t seed) {
+TexelRays raysThroughTexels(const Hemisphere& h, std::span<const FaceDirections> faces,
+                            const vec3& n_g, uint32_t seed) {
     TexelRays rays{.n_g = n_g};
     rays.reserve(static_cast<size_t>(h.texelCount()));
     for (size_t f = 0; f < faces.size(); ++f) {
@@ -190,7 +164,7 @@ TexelRays raysThroughTexels(const Hemisphere& h, std::span<const WorldFace> face
 }
 
 // More where light changes, spread evenly over the texel from a random place on [Rob18].
-TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const WorldFace> faces,
+TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const FaceDirections> faces,
                                 const vec3& n_g, uint32_t seed, std::span<const float> contrasts) {
     TexelRays rays{.n_g = n_g};
     rays.reserve(2 * contrasts.size());
@@ -337,12 +311,28 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         results[i] = integrateHemisphere(resolutions[i]->hemisphere, seen[i].texels,
                                          resolutions[i]->projections.of(sites[i].order), sites[i]);
         results[i].contrasts = std::move(seen[i].contrasts);
+        lookAhead(*resolutions[i], seen[i].texels, sites[i], results[i]);
     });
     seconds_.project += project_timer.seconds();
     for (const Seen& s : seen) {
         rays_cast_ += s.rays;
     }
     return results;
+}
+
+void RayGatherer::lookAhead(const Resolution& resolution, SeenTexels& seen, const RecordSite& site,
+                            GatheredRecord& result) const {
+    if (motion_ == nullptr) {
+        return;
+    }
+    auto later = motion_->reproject(resolution.hemisphere, site, seen.light);
+    if (!later) {
+        return;
+    }
+    seen.light = std::move(*later);
+    GatheredRecord then = integrateHemisphere(resolution.hemisphere, seen,
+                                              resolution.projections.of(site.order), site);
+    result.later = GatheredRecord::Later{then.record.irradiance, std::move(then.sh)};
 }
 
 // Rays through the middles of texels would all miss, or all meet, a thin thing that lies along a
@@ -353,7 +343,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
     const mat3 frame = tangentFrame(site.normal);
     const vec3 eye = site.eye();
     const std::span<const float> weights = weightsFor(h, site.order);
-    std::vector<WorldFace> faces;
+    std::vector<FaceDirections> faces;
     for (const HemisphereFace& face : h.faces) {
         faces.emplace_back(face, frame);
     }
