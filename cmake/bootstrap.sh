@@ -4,13 +4,13 @@
 packages=(
     g++ cmake ninja-build pkg-config
     libosmesa6-dev libegl-dev libglm-dev libfmt-dev libtbb-dev libembree-dev
-    libopenexr-dev libpng-dev libturbojpeg0-dev libtinygltf-dev libmeshoptimizer-dev libnanoflann-dev libstb-dev libxxhash-dev libcli11-dev nlohmann-json3-dev
+    libopenexr-dev libpng-dev libturbojpeg0-dev libtinygltf-dev libmeshoptimizer-dev libnanoflann-dev libstb-dev libxxhash-dev libglfw3-dev libimgui-dev libcli11-dev nlohmann-json3-dev
     libjs-chart.js
 )
 # What CMake asks for where tests and benchmarks are built too.
 test_build_packages=(libgtest-dev libbenchmark-dev)
 # What only ./check needs: the browser that opens the chart's report, plots of the benchmarks.
-test_packages=(chromium chromium-driver python3-selenium gnuplot-nox)
+test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-pil)
 build="$root/build/release"
 log="$root/build/build.log"
 

@@ -20,5 +20,7 @@ Command addInfo(CLI::App& program);
 Command addChart(CLI::App& program);
 Command addBake(CLI::App& program);
 Command addAnimate(CLI::App& program);
+/// `arguments`: of the program, null at the end.
+Command addView(CLI::App& program, char** arguments);
 
 }  // namespace sheen::cli

@@ -1,6 +1,7 @@
 #include "render/live.h"
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,12 +18,16 @@ namespace {
 
 // Of the coarsest image: so many of the whole one's pixels are one of its, along a side.
 constexpr int kCoarsest = 8;
+// An image that stands is shown so seldom that gathering takes so many times what showing does.
+constexpr double kFillOverShow = 2.0;
+constexpr int kFinest = 2;  // of images of views that move
 // Sites gathered at a time: few, so that a step ends in time.
 constexpr int kBatch = 16;
 // Where an image is incomplete records serve as far as so many times their reach what none serves.
 constexpr float kFarther = 8.0f;
-// Rays of a pixel too glossy for the cache in a coarse image, over those of a whole one.
-constexpr float kCoarseRays = 0.1f;
+// Rays of a pixel too glossy for the cache before the image is complete, over those that it then
+// has.
+constexpr float kFewRays = 0.1f;
 
 bool isServed(const SplatBuffer& splat, size_t i) {
     return splat.irradiance.pixels[i].w > shared::MIN_WEIGHT_SUM;
@@ -84,6 +89,15 @@ int serveAll(SceneState& state, const ViewState& view, RecordCache cache,
     return count;
 }
 
+// The size that the next view begins with, where this one's beginning took so many times the time
+// there was for it.
+int nextSize(int divisor, double took) {
+    constexpr double kMuch = 1.5, kLittle = 0.4;
+    return took > kMuch     ? std::min(2 * divisor, kCoarsest)
+           : took < kLittle ? std::max(divisor / 2, kFinest)
+                            : divisor;
+}
+
 // A view at one size, while records are placed for it.
 struct Level {
     const RenderParams params;
@@ -128,9 +142,12 @@ struct LiveImage::State {
     int divisor = kCoarsest;  // of the level
     int begin_at = kCoarsest;
     bool changed = true;
-    bool shown = false;  // whether the frame is that of the level as it is
+    bool shown = false;         // whether the frame is that of the level as it is
+    double show_seconds = 0.0;  // what showing took last
     Frame frame;
     LiveProgress progress;
+    std::vector<LiveMark> marks;
+    Image<float> orders;
 
     // Ends the level; its records are kept.
     void retire() {
@@ -148,9 +165,7 @@ struct LiveImage::State {
         p.width = std::max(params.width / of_divisor, 1);
         p.height = std::max(params.height / of_divisor, 1);
         p.aa = 1;
-        if (of_divisor > 1) {
-            p.specular.rays_per_alpha *= kCoarseRays;
-        }
+        p.specular.rays_per_alpha *= kFewRays;
         return p;
     }
     void begin(int at) {
@@ -162,7 +177,16 @@ struct LiveImage::State {
         }
         level = std::make_unique<Level>(*built, paramsOf(at), &kept, progress.seconds);
     }
+    RenderParams paramsOfWhole() const {
+        RenderParams p = params;
+        p.all_layers = true;
+        p.specular.pixel_area = p.aa > 1;
+        return p;
+    }
+    // Places records for about so many seconds of the timer, and shows what there is.
+    void fill(const Timer& timer, double seconds);
     void show();
+    void finish();
 };
 
 LiveImage::LiveImage(Scene scene, const RenderParams& params) : s_(std::make_unique<State>()) {
@@ -179,6 +203,8 @@ const RenderParams& LiveImage::params() const { return s_->params; }
 const Camera& LiveImage::camera() const { return s_->scene.cameras.back(); }
 const Frame& LiveImage::frame() const { return s_->frame; }
 const LiveProgress& LiveImage::progress() const { return s_->progress; }
+const std::vector<LiveMark>& LiveImage::marks() const { return s_->marks; }
+const Image<float>& LiveImage::orders() const { return s_->orders; }
 bool LiveImage::done() const { return !s_->changed && s_->progress.complete; }
 
 void LiveImage::look(const Camera& camera) {
@@ -218,33 +244,64 @@ void LiveImage::edit(const std::function<void(Scene&)>& change) {
 void LiveImage::step(double seconds) {
     const Timer timer;
     State& s = *s_;
-    s.progress.seconds = {};
-    if (s.changed) {
-        s.changed = false;
-        s.progress.complete = false;
-        s.begin(s.begin_at);
-    } else if (s.level && s.level->full && s.divisor > 1) {
-        s.begin(s.divisor / 2);
+    if (done()) {
+        return;
     }
-    Level& level = *s.level;
-    while (!level.full) {
-        level.full =
-            !fillOnce(s.scene, level.placed, level.scan, *level.gatherer, level.view.field);
-        s.shown = false;
+    s.progress.seconds = {};
+    if (!s.changed && s.level->full && s.divisor == 1) {
+        s.finish();
+    } else {
+        const bool began = std::exchange(s.changed, false);
+        if (began) {
+            s.progress.complete = false;
+            s.begin(s.begin_at);
+        } else if (s.level->full) {
+            s.begin(s.divisor / 2);
+        }
+        s.fill(timer, began ? seconds : std::max(seconds, kFillOverShow * s.show_seconds));
+        if (began) {
+            s.begin_at = nextSize(s.begin_at, timer.seconds() / seconds);
+        }
+    }
+    s.progress.seconds.total = timer.seconds();
+}
+
+void LiveImage::State::fill(const Timer& timer, double seconds) {
+    const GatherSeconds before = level->gatherer->seconds();
+    const Timer fill_timer;
+    while (!level->full) {
+        level->full =
+            !fillOnce(scene, level->placed, level->scan, *level->gatherer, level->view.field);
+        shown = false;
         if (timer.seconds() >= seconds) {
             break;
         }
     }
-    if (!s.shown) {
-        s.show();
+    const GatherSeconds after = level->gatherer->seconds();
+    progress.seconds.gather += after.see - before.see;
+    progress.seconds.project += after.project - before.project;
+    progress.seconds.placement +=
+        fill_timer.seconds() - (after.see - before.see) - (after.project - before.project);
+    if (!shown) {
+        show();
     }
-    s.progress.complete = level.full && s.divisor == 1;
-    s.progress.seconds.gather += level.gatherer->seconds().see;
-    s.progress.seconds.project += level.gatherer->seconds().project;
-    s.progress.seconds.total = timer.seconds();
+}
+
+// What a level leaves out: edges, surfaces that light passes, an estimate of the error.
+void LiveImage::State::finish() {
+    retire();
+    RenderResult result = renderByCache(*built, paramsOfWhole(), &kept);
+    frame = std::move(result.frame);
+    frame.shows_sky = scene.environment.shows();
+    progress.seconds = result.stats.seconds;
+    progress.records = result.stats.records;
+    progress.records_new = result.stats.records - result.stats.records_reused;
+    progress.estimated_rel_rmse = result.stats.estimated_rel_rmse;
+    progress.complete = true;
 }
 
 void LiveImage::State::show() {
+    const Timer show_timer;
     const RecordCache cache = level->placed.handOver();
     const WeightParams weight = level->how.servingWeight();
     const Timer splat_timer;
@@ -253,7 +310,8 @@ void LiveImage::State::show() {
     progress.seconds.splat += splat_timer.seconds();
     const Timer compose_timer;
     frame = {};
-    compose(level->view.receivers, splat, specularByRays(level->view, splat), true, frame);
+    compose(level->view.receivers, splat, specularByRays(level->view, splat, level->full), true,
+            frame);
     for (size_t i = 0; i < level->view.of_coats.pixels.size(); ++i) {
         frame.indirect.pixels[i] += level->view.of_coats.pixels[i];
     }
@@ -263,6 +321,17 @@ void LiveImage::State::show() {
     progress.height = level->params.height;
     progress.records = static_cast<int>(cache.records.size());
     progress.records_new = static_cast<int>(level->view.field.records.size() - level->began_with);
+    progress.estimated_rel_rmse = std::numeric_limits<double>::quiet_NaN();
+    marks.clear();
+    for (const Record& k : cache.records) {
+        marks.push_back({k.position, k.normal, weight.accuracy * k.radius, k.order});
+    }
+    const Receivers& receivers = level->view.receivers;
+    orders = Image<float>(progress.width, progress.height);
+    for (size_t i = 0; i < orders.pixels.size(); ++i) {
+        orders.pixels[i] = std::max(static_cast<float>(receivers.orders[i]), 0.0f);
+    }
+    show_seconds = show_timer.seconds();
     shown = true;
 }
 

@@ -4,20 +4,32 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
+#include <vector>
 
 #include "render/render.h"
 
 namespace sheen {
 
+/// A record of the frame.
+struct LiveMark {
+    vec3 position, normal;
+    float reach = 0;  ///< scene units, within which it serves
+    int order = 0;
+};
+
 /// What the image is at the moment.
 struct LiveProgress {
     int width = 0, height = 0;  ///< of the frame: less than asked for as long as it is coarse
-    bool complete = false;      ///< of full size, and every pixel served by records
+    bool complete = false;      ///< as Session::render() would make it
     int records = 0;            ///< that serve the frame
     int records_new = 0;        ///< of these, gathered since it began
     int uncovered = 0;          ///< pixels served by records that are too far off to be right
-    StageSeconds seconds;       ///< of the last step
+    double estimated_rel_rmse =
+        std::numeric_limits<double>::quiet_NaN();  ///< of the indirect light, once it is complete;
+                                                   ///< else NaN
+    StageSeconds seconds;                          ///< of the last step
 };
 
 /// Not safe to use from many threads at once.
@@ -47,6 +59,10 @@ class LiveImage {
 
     const Frame& frame() const;
     const LiveProgress& progress() const;
+    /// Those that serve the frame.
+    const std::vector<LiveMark>& marks() const;
+    /// Of the spherical harmonics that each pixel of the frame asks for.
+    const Image<float>& orders() const;
 
   private:
     struct State;

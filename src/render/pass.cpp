@@ -77,11 +77,12 @@ SplatBuffer splatView(SceneState& state, const ViewState& view, const RecordCach
     return splat;
 }
 
-Image<vec3> specularByRays(const ViewState& view, const SplatBuffer& splat) {
+Image<vec3> specularByRays(const ViewState& view, const SplatBuffer& splat, bool filtered) {
     if (view.specular.pixels.empty()) {
         return {};
     }
-    return reflectSpecular(view.receivers, view.specular, cachedSpecular(view.receivers, splat));
+    return reflectSpecular(view.receivers, view.specular, cachedSpecular(view.receivers, splat),
+                           filtered);
 }
 
 namespace {

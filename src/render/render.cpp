@@ -166,9 +166,9 @@ void renderView(const RenderParams& params, const Timer& timer, SceneState& stat
     }
 }
 
-// `kept`: records of former frames, and then of this one as well; null: none are kept.
-RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
-                           const RenderParams& params, const Timer& timer, KeptRecords* kept) {
+// `made_in`: what making the state took, from `timer`'s begin on.
+RenderResult renderStateByCache(SceneState& state, const StageSeconds& made_in,
+                                const RenderParams& params, const Timer& timer, KeptRecords* kept) {
     RenderResult result;
     RenderStats& stats = result.stats;
     stats.seconds = made_in;
@@ -205,6 +205,10 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
 }
 
 }  // namespace
+
+RenderResult renderByCache(SceneState& state, const RenderParams& params, KeptRecords* kept) {
+    return renderStateByCache(state, {}, params, Timer(), kept);
+}
 
 std::string recordRecipe(const RenderParams& params) {
     return fmt::format(
@@ -286,7 +290,7 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             }
             RenderParams smoothed = params;
             smoothed.specular.pixel_area = params.aa > 1;
-            return renderByCache(*state_, seconds, smoothed, timer, keptFor(params));
+            return renderStateByCache(*state_, seconds, smoothed, timer, keptFor(params));
         }
     }
     throw std::logic_error("unknown method");

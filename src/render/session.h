@@ -80,4 +80,8 @@ struct ViewState {
     void findCaustics(const SceneState& state, const RenderParams& params);
 };
 
+/// What Session::render() makes of its own state. `kept`: as ViewState has it, and of this frame
+/// as well afterwards.
+RenderResult renderByCache(SceneState& state, const RenderParams& params, KeptRecords* kept);
+
 }  // namespace sheen
