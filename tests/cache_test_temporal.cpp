@@ -127,6 +127,23 @@ struct OldRecords {
     }
 };
 
+// Says of every other record that it has changed.
+class NoticingGatherer : public MadeUpGatherer {
+  public:
+    using MadeUpGatherer::MadeUpGatherer;
+    std::vector<float> changesSince(std::span<const GatheredRecord* const> records) override {
+        std::vector<float> changes;
+        for (const GatheredRecord* found : records) {
+            EXPECT_GT(found->age, 0) << "those of now are as they are";
+            EXPECT_LT(found->age, found->lifespan) << "those that end are not asked";
+            changes.push_back(changes.size() % 2 == 0 ? 0.11f : 0.09f);
+        }
+        asked = records.size();
+        return changes;
+    }
+    size_t asked = 0;
+};
+
 const Change kBrighter = [](const RecordSite&, GatheredRecord& g) {
     g.record.irradiance = vec3(9.0f);
 };
@@ -169,6 +186,20 @@ TEST(Temporal, RecordsOnWhatMovedAreAllReplaced) {
         EXPECT_EQ(old.field.records[k].record.position,
                   old.stage.receivers.positions[static_cast<size_t>(old.field.pixels[k])]);
     }
+}
+
+TEST(Temporal, RecordsWhoseLightHasChangedAreReplacedToo) {
+    OldRecords old;
+    size_t ended = 0, young = 0;
+    for (const GatheredRecord& found : old.field.records) {
+        ended += found.age == 4 ? 1 : 0;
+        young += found.age == 0 ? 1 : 0;
+    }
+    NoticingGatherer gatherer(kBrighter);
+    const size_t renewed = renew(old.stage.scene, old.stage.receivers, old.placement,
+                                 {.params = kParams}, gatherer, old.field);
+    EXPECT_EQ(gatherer.asked, old.field.records.size() - ended - young);
+    EXPECT_EQ(renewed, ended + (gatherer.asked + 1) / 2);
 }
 
 TEST(Temporal, OfNoRecordsNoneIsReplaced) {

@@ -3,6 +3,8 @@
 
 #include "gather/integrate.h"
 #include "gather/motion.h"
+#include "gather/ray_gather.h"
+#include "test_light.h"
 #include "test_scenes.h"
 #include "test_sites.h"
 
@@ -161,6 +163,56 @@ TEST(Motion, WhatStandsStillIsAsItWas) {
             EXPECT_EQ(before[t], (*foreseen)[t]) << t;
         }
     }
+}
+
+// ---- Witnesses ----------------------------------------------------------------------------------
+
+std::vector<float> changesBetween(const Scene& then, const Scene& now, int order) {
+    const LitByCells lit_then(then), lit_now(now);
+    const Motion still(then, then.positions);
+    RayGatherer gatherer(lit_then.light, {.kind = HemisphereKind::kHemicube, .size = 24});
+    gatherer.lookAheadBy(still);
+    std::vector<RecordSite> sites = sitesInGlossyRoom(12);
+    for (RecordSite& site : sites) {
+        site.order = order;
+    }
+    const std::vector<GatheredRecord> records = gatherer.gather(sites);
+    std::vector<const GatheredRecord*> asked;
+    for (const GatheredRecord& record : records) {
+        EXPECT_FALSE(record.later);
+        EXPECT_FALSE(record.witnesses.empty());
+        asked.push_back(&record);
+    }
+    return RayGatherer(lit_now.light, {.kind = HemisphereKind::kHemicube, .size = 24})
+        .changesSince(asked);
+}
+
+TEST(Witnesses, WhereNothingChangesTheySayNothing) {
+    for (const int order : {shared::DIFFUSE_ORDER, 4}) {
+        for (const float change : changesBetween(glossyRoom(), glossyRoom(), order)) {
+            EXPECT_EQ(change, 0.0f);
+        }
+    }
+}
+
+TEST(Witnesses, TheyTellByHowMuchLightChanges) {
+    Scene brighter = glossyRoom();
+    brighter.lights[0].intensity *= 1.25f;
+    for (const int order : {shared::DIFFUSE_ORDER, 4}) {
+        for (const float change : changesBetween(glossyRoom(), brighter, order)) {
+            EXPECT_NEAR(change, 0.2f, 1e-3f) << "of the larger one; cells round light";
+        }
+    }
+}
+
+TEST(Witnesses, RecordsWithoutAnyAreTakenAsTheyAre) {
+    const Scene scene = glossyRoom();
+    const LitByCells lit(scene);
+    RayGatherer gatherer(lit.light, {.kind = HemisphereKind::kHemicube, .size = 24});
+    const std::vector<GatheredRecord> records = gatherer.gather(sitesInGlossyRoom(1));
+    EXPECT_TRUE(records[0].witnesses.empty());
+    const GatheredRecord* asked = records.data();
+    EXPECT_EQ(gatherer.changesSince({&asked, 1}), std::vector<float>{0.0f});
 }
 
 }  // namespace

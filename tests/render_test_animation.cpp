@@ -137,11 +137,10 @@ double ghostOf(int longest) {
     return meanDifference(sequence.render(20).frame.indirect, alone.frame.indirect);
 }
 
-TEST(LivingRecords, NoneOutlivesTheLongestLife) {
-    // Light that comes through a door is not foreseen: how late it is seen the longest life tells.
-    const double one = ghostOf(1), many = ghostOf(100);
-    EXPECT_LT(one, 0.05);
-    EXPECT_GT(many, 3.0 * one);
+TEST(LivingRecords, LightThatWasNotForeseenIsNoticed) {
+    // It comes through the door; without witnesses the image would be wrong by half.
+    EXPECT_LT(ghostOf(1), 0.05);
+    EXPECT_LT(ghostOf(100), 0.1);
 }
 
 TEST(LivingRecords, ALifeOfOneFrameIsThatOfRecordsRenderedAnewInPlace) {

@@ -11,7 +11,7 @@ namespace sheen {
 
 struct TemporalParams {
     /// a_t: by how much of itself a record's light may change while it lives.
-    float accuracy = 0.1f;
+    float accuracy = 0.03f;
     int longest = 8;          ///< life, frames
     bool extrapolate = true;  ///< what it says goes on changing as it did from its first frame on
 };

@@ -48,6 +48,27 @@ void hearNeighbours(const RecordField& field, size_t index, RecordSite& site) {
     }
 }
 
+// [record]: whose light has changed by more than a life allows, foreseen or not. Those of this
+// frame, and of frames that differ by cameras alone, have age 0.
+std::vector<uint8_t> outdated(const RecordField& field, const TemporalParams& params,
+                              Gatherer& gatherer) {
+    std::vector<const GatheredRecord*> asked;
+    std::vector<size_t> indices;
+    for (size_t k = 0; k < field.records.size(); ++k) {
+        const GatheredRecord& found = field.records[k];
+        if (found.age > 0 && found.age < found.lifespan) {
+            asked.push_back(&found);
+            indices.push_back(k);
+        }
+    }
+    const std::vector<float> changes = gatherer.changesSince(asked);
+    std::vector<uint8_t> result(field.records.size(), 0);
+    for (size_t n = 0; n < asked.size(); ++n) {
+        result[indices[n]] = changes[n] > params.accuracy ? 1 : 0;
+    }
+    return result;
+}
+
 }  // namespace
 
 float changeOf(const GatheredRecord& found) {
@@ -112,13 +133,14 @@ void growOlder(GatheredRecord& found, const TemporalParams& params) {
 
 size_t renew(const Scene& scene, const Receivers& receivers, const PlacementParams& placement,
              const Ageing& ageing, Gatherer& gatherer, RecordField& field) {
+    const std::vector<uint8_t> wrong = outdated(field, ageing.params, gatherer);
     std::vector<size_t> ended;
     std::vector<RecordSite> sites;
     for (size_t k = 0; k < field.records.size(); ++k) {
         const GatheredRecord& found = field.records[k];
         const auto i = static_cast<size_t>(field.pixels[k]);
         const bool moved = moves(ageing, receivers.triangles[i]);
-        if (!moved && found.age < found.lifespan) {
+        if (!moved && found.age < found.lifespan && wrong[k] == 0) {
             continue;
         }
         RecordSite site = siteAt(scene, receivers, i);

@@ -26,8 +26,10 @@ void beginLives(RecordField& field, size_t first, const TemporalParams& params, 
 /// A frame later: what a record says has changed as foreseen, and it is older.
 void growOlder(GatheredRecord& found, const TemporalParams& params);
 
-/// Of records that were taken for a view, gathers anew those whose life has ended, and those on
-/// surfaces that moved, at their places or, of these, at their receivers. Returns how many.
+/// Of records that were taken for a view, gathers anew those whose life has ended, those whose
+/// light has changed by more than a_t as their witnesses say, whether that was foreseen or not, and
+/// those on surfaces that moved: at their places or, of these, at their receivers. Returns how
+/// many.
 size_t renew(const Scene& scene, const Receivers& receivers, const PlacementParams& placement,
              const Ageing& ageing, Gatherer& gatherer, RecordField& field);
 

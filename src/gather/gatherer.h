@@ -34,6 +34,14 @@ struct GatheredRecord {
     };
     std::optional<Later> later = {};
     // Of records that live for some frames (cache/temporal.h).
+    /// A few of the rays that saw it, and what they saw: cast again they tell whether it is so.
+    struct Witness {
+        vec3 direction{0.0f};
+        float solid_angle = 0;  ///< that the ray stands for
+        vec3 light{0.0f};
+    };
+    std::vector<Witness> witnesses = {};
+    vec3 eye{0.0f};    ///< where they start
     int age = 0;       ///< frames since it was gathered
     int lifespan = 0;  ///< frames
 };
@@ -55,9 +63,15 @@ class Gatherer {
     /// One result a site, in order.
     virtual std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) = 0;
 
-    /// From now on records tell what they will see in the next frame (GatheredRecord::later), where
-    /// the gatherer can; `motion` must outlive it.
+    /// From now on records have witnesses, and tell what they will see in the next frame
+    /// (GatheredRecord::later), where the gatherer can; `motion` must outlive it.
     virtual void lookAheadBy(const Motion& motion) { static_cast<void>(motion); }
+    /// By how much of itself the light at records has changed since they were gathered, as far as
+    /// their witnesses tell: of diffuse ones the irradiance, of others what comes from any
+    /// direction. 0 without witnesses.
+    virtual std::vector<float> changesSince(std::span<const GatheredRecord* const> records) {
+        return std::vector<float>(records.size(), 0.0f);
+    }
 
     /// Time spent so far.
     GatherSeconds seconds() const { return seconds_; }

@@ -38,6 +38,9 @@ constexpr float kSideStep = 1.25f;
 constexpr float kMostSteps = 2.0f;
 constexpr int kEnoughTexels = 128;  // no record takes more for its reach
 
+// Of rays that are cast again to see whether a record is still right.
+constexpr size_t kWitnesses = 32;
+
 // Rays of a record, and the texels they are for. Directions below the surface, to where the shading
 // normal's hemisphere may reach, are not cast: nothing comes from there.
 struct TexelRays {
@@ -311,6 +314,8 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         results[i] = integrateHemisphere(resolutions[i]->hemisphere, seen[i].texels,
                                          resolutions[i]->projections.of(sites[i].order), sites[i]);
         results[i].contrasts = std::move(seen[i].contrasts);
+        results[i].witnesses = std::move(seen[i].witnesses);
+        results[i].eye = sites[i].eye();
         lookAhead(*resolutions[i], seen[i].texels, sites[i], results[i]);
     });
     seconds_.project += project_timer.seconds();
@@ -318,6 +323,46 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         rays_cast_ += s.rays;
     }
     return results;
+}
+
+std::vector<float> RayGatherer::changesSince(std::span<const GatheredRecord* const> records) {
+    const Timer timer;
+    std::vector<float> changes(records.size());
+    parallelFor(static_cast<int>(records.size()), [&](int k) {
+        const auto i = static_cast<size_t>(k);
+        changes[i] = changeSince(*records[i]);
+    });
+    seconds_.see += timer.seconds();
+    return changes;
+}
+
+// The rays are those of then, so that where nothing has changed there is no noise.
+float RayGatherer::changeSince(const GatheredRecord& record) const {
+    const bool diffuse = record.record.order == shared::DIFFUSE_ORDER;
+    std::vector<vec3> directions;
+    std::vector<float> solid_angles;
+    for (const GatheredRecord::Witness& witness : record.witnesses) {
+        directions.push_back(witness.direction);
+        solid_angles.push_back(witness.solid_angle);
+    }
+    std::vector<vec4> seen(directions.size());
+    light_.cast({.origin = record.eye,
+                 .directions = directions,
+                 .solid_angles = solid_angles,
+                 .without_caustics = without_caustics_},
+                seen.data());
+    float change = 0.0f, before = 0.0f, after = 0.0f;
+    for (size_t k = 0; k < seen.size(); ++k) {
+        const float cosine = glm::dot(record.record.normal, directions[k]);
+        const float weight = solid_angles[k] * (diffuse ? std::max(cosine, 0.0f) : 1.0f);
+        const float was = weight * luminance(record.witnesses[k].light);
+        const float is = weight * luminance(vec3(seen[k]));
+        before += was;
+        after += is;
+        change += diffuse ? is - was : std::abs(is - was);
+    }
+    const float most = std::max(before, after);
+    return most > 0.0f ? std::abs(change) / most : 0.0f;
 }
 
 void RayGatherer::lookAhead(const Resolution& resolution, SeenTexels& seen, const RecordSite& site,
@@ -360,6 +405,11 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
         result.texels.planes[first.of[i]] = planes[i] * frame;  // into the record's frame
     }
 
+    for (size_t k = 0; motion_ != nullptr && k < kWitnesses && !first.of.empty(); ++k) {
+        const size_t i = (2 * k + 1) * first.of.size() / (2 * kWitnesses);
+        result.witnesses.push_back(
+            {first.directions[i], first.solid_angles[i], vec3(first_seen[i])});
+    }
     std::vector<float> contrasts = contrastsOfNeighbours(h, relativeLight(texels, weights));
     // What is smaller than a texel deviates, over what a texel brings, as the side.
     const float sharpness = static_cast<float>(h.params.size) / static_cast<float>(params_.size);

@@ -34,6 +34,7 @@ class RayGatherer : public Gatherer {
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override;
 
     void lookAheadBy(const Motion& motion) override { motion_ = &motion; }
+    std::vector<float> changesSince(std::span<const GatheredRecord* const> records) override;
 
     /// Rays cast so far from records, those from what they met to the lights not counted.
     int64_t rays() const { return rays_cast_; }
@@ -46,11 +47,13 @@ class RayGatherer : public Gatherer {
     struct Seen {
         SeenTexels texels;
         std::vector<Contrast> contrasts;
+        std::vector<GatheredRecord::Witness> witnesses;
         int64_t rays = 0;
     };
     std::vector<const Resolution*> prepare(std::span<const RecordSite> sites);
     Seen see(const Hemisphere& h, const RecordSite& site, uint32_t seed,
              std::span<const Contrast> found) const;
+    float changeSince(const GatheredRecord& record) const;
     void lookAhead(const Resolution& resolution, SeenTexels& seen, const RecordSite& site,
                    GatheredRecord& result) const;
 

@@ -32,9 +32,9 @@ Ageing FrameSequence::ageingAt(int number) {
             ageing.moved.push_back(moved(t.x) || moved(t.y) || moved(t.z) ? 1 : 0);
         }
     }
-    if (const auto next = scene_.positionsAt((number + 1) / sequence_.fps)) {
-        ageing.coming = std::make_shared<const Motion>(scene, *next);
-    }
+    const auto next = scene_.positionsAt((number + 1) / sequence_.fps);
+    // Where it cannot be told which surface is which, none is taken to move.
+    ageing.coming = std::make_shared<const Motion>(scene, next ? *next : scene.positions);
     return ageing;
 }
 
