@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cache/placement_params.h"
@@ -82,7 +83,8 @@ struct StageSeconds {
 /// What the program prints and writes as --json.
 struct RenderStats {
     int records = 0;
-    int records_reused = 0;  ///< of these, from former frames
+    int records_reused = 0;   ///< of these, from former frames
+    int records_renewed = 0;  ///< of those, gathered anew at their places
     StageSeconds seconds;
     int pixels_geometry = 0;   ///< pixels that see geometry
     int pixels_uncovered = 0;  ///< of these, without any record
@@ -155,6 +157,8 @@ class Session {
     /// before it. `records`: to begin with, of that recipe.
     void keepRecords(KeptRecords records = {}, std::string recipe = {});
     const KeptRecords& records() const { return kept_; }
+    /// Hands them over; none are left.
+    KeptRecords takeRecords() { return std::exchange(kept_, {}); }
 
   private:
     RenderResult renderByMethod(const RenderParams& params);
