@@ -359,6 +359,19 @@ TEST(RadianceHints, doNotFlickerUnderAMovingLight) {
     EXPECT_GT(step, 1e-3);  // it did move
 }
 
+// All bounces are not followed to their end, but estimated from there.
+TEST(RadianceHints, allBouncesAreAsMany) {
+    const Scene scene = glossyRoom();
+    const Hinted all(scene);
+    HintsParams many = kFew;
+    many.bounces = 64;
+    const Hinted followed(scene, many);
+    const Receivers receivers = seenFrom(all.tracer, vec3(0.1f, 0.1f, 0.5f));
+    EXPECT_LT(difference(all.hints.at(receivers).irradiance,
+                         followed.hints.at(receivers).irradiance),
+              0.02);
+}
+
 // A finer volume within the scene's tells the same light, and the border between them is no step.
 TEST(RadianceHints, ofNestedVolumesAgree) {
     const Scene scene = sphereRoom(0.5f);

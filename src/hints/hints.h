@@ -19,7 +19,7 @@ namespace sheen {
 /// Defaults were chosen by measurement (docs/decisions/hints.md).
 struct HintsParams {
     int hints = 4096;           ///< of each volume, about
-    int samples = 768;          ///< of lit surfaces, shared among all lights
+    int samples = 1024;         ///< of lit surfaces, shared among all lights
     int order = 3;              ///< of the spherical harmonics: 2 (4 coefficients) or 3 (9)
     int bounces = kAllBounces;  ///< so often light is scattered before it arrives, at the most
 };
