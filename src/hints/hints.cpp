@@ -272,7 +272,8 @@ void RadianceHints::followBounces(std::vector<Values> last, std::vector<Values>&
     }
 }
 
-void RadianceHints::fill(const SceneLights& lights) {
+void RadianceHints::fill(const SceneLights& lights, float share) {
+    SHEEN_CHECK(share > 0.0f && share <= 1.0f);
     samples_ = litSamples(tracer_, lights, params_.samples);
     const SkySamples sky(tracer_.scene().environment);
     // The sky's own light, and what is scattered once.
@@ -287,7 +288,14 @@ void RadianceHints::fill(const SceneLights& lights) {
     }
     followBounces(std::move(once), sum);
     for (size_t v = 0; v < volumes_.size(); ++v) {
-        volumes_[v].light = std::move(sum[v]);
+        Values& light = volumes_[v].light;
+        if (share == 1.0f || light.empty()) {
+            light = std::move(sum[v]);
+            continue;
+        }
+        for (size_t i = 0; i < light.size(); ++i) {
+            light[i] += share * (sum[v][i] - light[i]);
+        }
     }
 }
 

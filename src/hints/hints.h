@@ -48,8 +48,9 @@ class RadianceHints {
 
     /// Fills them with the light of the tracer's scene as it is: again where its lights or its sky
     /// changed. `lights` must be those of the scene, and is not kept. (What surfaces reflect was
-    /// found when the hints were made.)
-    void fill(const SceneLights& lights);
+    /// found when the hints were made.) `share`, in (0, 1]: of this light, what is left is what
+    /// they held before; less steadies, and delays, what a moving light does from frame to frame.
+    void fill(const SceneLights& lights, float share = 1.0f);
 
     /// What the hints say, once filled; the sky's light is part of it. Only what receivers say of
     /// place, normal and reflectances is asked, as fieldsOf() has it.
