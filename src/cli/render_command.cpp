@@ -1,17 +1,14 @@
 // sheen render: one frame of a scene into an EXR or PNG file.
 #include <algorithm>
-#include <filesystem>
 #include <memory>
-#include <utility>
 
 #include "cli/commands.h"
 #include "cli/render_report.h"
+#include "cli/render_wanted.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "image/exr.h"
 #include "image/png.h"
-#include "render/crop.h"
-#include "render/record_file.h"
 
 namespace sheen::cli {
 namespace {
@@ -25,25 +22,6 @@ void writeFrame(const RenderOptions& o, FileKind kind, const Frame& frame) {
     } else {
         writeExr(o.output, frame, o.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
     }
-}
-
-RenderResult renderWanted(const Scene& scene, const RenderOptions& o) {
-    Session session(scene);
-    const auto render = [&] {
-        return o.part ? renderPart(session, o.params, *o.part) : session.render(o.params);
-    };
-    if (o.cache.empty()) {
-        return render();
-    }
-    const RecordOrigin origin = {sceneFingerprint(scene), recordRecipe(o.params)};
-    KeptRecords kept;
-    if (std::filesystem::exists(o.cache)) {
-        kept = loadRecords(o.cache, origin);
-    }
-    session.keepRecords(std::move(kept), origin.recipe);
-    RenderResult result = render();
-    saveRecords(o.cache, session.records(), origin);
-    return result;
 }
 
 ExitCode runRender(RenderOptions& o) {
@@ -65,7 +43,8 @@ ExitCode runRender(RenderOptions& o) {
         constexpr double kLeast = 1e-3;
         o.params.time_limit = std::max(limit - total.seconds() - kWriteShare * limit, kLeast);
     }
-    RenderResult result = renderWanted(scene, o);
+    Session session(scene);
+    RenderResult result = renderWanted(session, scene, o);
     const Timer write;
     writeFrame(o, kind, result.frame);
     result.stats.seconds.write = write.seconds();

@@ -299,7 +299,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& o) {
     addProgramOptions(app, o);
 }
 
-FileKind understand(RenderOptions& o) {
+void understandFrame(RenderOptions& o) {
     const ivec2 size = parseSize(o.size);
     o.params.width = size.x;
     o.params.height = size.y;
@@ -322,11 +322,15 @@ FileKind understand(RenderOptions& o) {
         throwUsage("--sh-order {}: hints have 2 or 3", o.sh_order);
     }
     o.params.caustics = causticsOf(o);
+    o.load.environment.no_sky =
+        usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
+}
+
+FileKind understand(RenderOptions& o) {
+    understandFrame(o);
     o.output = o.output.empty() ? defaultOutput(o.scene) : o.output;
     const FileKind kind = imageKind(o.output);
     checkFileOptions(o, kind);
-    o.load.environment.no_sky =
-        usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
     return kind;
 }
 

@@ -51,8 +51,11 @@ struct RenderOptions {
 
 void addRenderOptions(CLI::App& app, RenderOptions& o);
 
-/// Fills `params`, `load` and `output` by what the others say; returns what file that is to be.
-/// Usage error for what cannot be, or does not go together.
+/// Fills `params` and `load` by what the others say. Usage error for what cannot be, or does not go
+/// together.
+void understandFrame(RenderOptions& o);
+
+/// The same, and `output`; returns what file that is to be.
 FileKind understand(RenderOptions& o);
 
 /// The curve that --tone names.

@@ -86,6 +86,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"output", o.output},
                  {"records", stats.records},
                  {"records_reused", stats.records_reused},
+                 {"records_renewed", stats.records_renewed},
                  {"seconds", seconds},
                  {"pixels_geometry", stats.pixels_geometry},
                  {"pixels_uncovered", stats.pixels_uncovered},

@@ -137,30 +137,28 @@ class Channels {
     std::deque<std::vector<half>> halves_;  // a deque: slices point into its elements
 };
 
-// Layers whose names the header comment lists, in file order (OpenEXR sorts channels by name).
-void addLayers(Channels& channels, const Frame& frame, ExrLayers layers) {
-    const bool all = layers == ExrLayers::kAll;
-    channels.addColor("direct.", kRgb, frame.direct, true);
-    channels.addColor("indirect.", kRgb, frame.indirect, true);
-    if (all || !frame.indirect_diffuse_variance.empty()) {
-        channels.addColor("indirect_diffuse.", kRgb, frame.indirect_diffuse, true);
-    }
-    channels.addColor("caustic.", kRgb, frame.caustic, true);
+// Layers whose names the header comment lists (OpenEXR sorts channels by name).
+void addLayers(Channels& channels, const Frame& frame, ExrLayers wanted) {
     channels.addIds(kPrimitiveChannel, frame.primitive);
-    channels.addColor("variance.", kRgb, frame.indirect_variance, false);
-    channels.addColor("variance_diffuse.", kRgb, frame.indirect_diffuse_variance, false);
-    channels.addColor("variance_direct.", kRgb, frame.direct_variance, false);
-    channels.addColor("variance_caustic.", kRgb, frame.caustic_variance, false);
-    channels.addColor("variance_global.", kRgb, frame.global_variance, false);
-    if (all) {
-        channels.addColor("emission.", kRgb, frame.emission, true);
-        channels.addColor("albedo.", kRgb, frame.albedo, true);
-        channels.addColor("normal.", kXyz, frame.normal, true);
-        channels.addColor("position.", kXyz, frame.position, false);
-        channels.addScalar("roughness.Y", frame.roughness, true);
-        channels.addScalar("depth.Z", frame.depth, false);
-        channels.addScalar("weight.Y", frame.weight, false);
-        channels.addScalar("records.Y", frame.records, false);
+    for (const FrameLayer& layer : layersOf(frame)) {
+        if (wanted != ExrLayers::kAll && !layer.basic) {
+            continue;
+        }
+        const std::string prefix = std::string(layer.name) + ".";
+        switch (layer.kind) {
+            case FrameLayer::Kind::kColor:
+                channels.addColor(prefix, kRgb, *layer.triples, !layer.exact);
+                break;
+            case FrameLayer::Kind::kVector:
+                channels.addColor(prefix, kXyz, *layer.triples, !layer.exact);
+                break;
+            case FrameLayer::Kind::kNumber:
+                channels.addScalar(prefix + "Y", *layer.numbers, !layer.exact);
+                break;
+            case FrameLayer::Kind::kDepth:
+                channels.addScalar(prefix + "Z", *layer.numbers, !layer.exact);
+                break;
+        }
     }
 }
 

@@ -3,22 +3,12 @@
 #include <optional>
 
 #include "core/timer.h"
-#include "hints/hints.h"
 #include "receivers/coats.h"
 #include "render/veils.h"
 #include "splat/splat.h"
 
 namespace sheen {
 namespace {
-
-// What is made of the scene once, and of its first view.
-struct Lit {
-    Tracer tracer;
-    SceneLights lights;
-    std::optional<RadianceHints> hints;
-
-    explicit Lit(const Scene& scene) : tracer(scene), lights(tracer) {}
-};
 
 // As compose() has light that is found at each receiver.
 SplatBuffer asSplat(const HintLight& light, const Receivers& receivers) {
@@ -41,7 +31,8 @@ Image<vec3> imageOf(std::vector<vec3> values, const Receivers& receivers) {
 }
 
 // Behind all blended surfaces, or of the so manieth of these.
-GBuffer renderView(Lit& lit, const RenderParams& params, int veil, RenderResult& result) {
+GBuffer renderView(const HintSource& lit, const RenderParams& params, int veil,
+                   RenderResult& result) {
     StageSeconds& seconds = result.stats.seconds;
     const Scene& scene = lit.tracer.scene();
     const Timer see_timer;
@@ -93,11 +84,19 @@ GBuffer renderView(Lit& lit, const RenderParams& params, int veil, RenderResult&
 
 }  // namespace
 
+GBuffer renderGroundByHints(const HintSource& source, const RenderParams& params,
+                            RenderResult& result) {
+    return renderView(source, params, 0, result);
+}
+
 RenderResult renderByHints(const Scene& scene, const RenderParams& params) {
     findCamera(scene, params.camera);  // before anything is made for it
     RenderResult result;
     const Timer build_timer;
-    Lit lit(scene);
+    const Tracer tracer(scene);
+    const SceneLights lights(tracer);
+    std::optional<RadianceHints> hints;
+    const HintSource lit{tracer, lights, hints};
     result.stats.seconds.gather += build_timer.seconds();
     const GBuffer ground = renderView(lit, params, 0, result);
     VeiledFrame veiled(result, ground.share);
@@ -107,8 +106,8 @@ RenderResult renderByHints(const Scene& scene, const RenderParams& params) {
         const GBuffer seen = renderView(lit, params, veil, of_veil);
         veiled.add(std::move(of_veil), seen.share);
     }
-    result.stats.hints = lit.hints->count();
-    result.stats.lit_samples = lit.hints->sampleCount();
+    result.stats.hints = hints->count();
+    result.stats.lit_samples = hints->sampleCount();
     return result;
 }
 

@@ -221,7 +221,7 @@ std::string recordRecipe(const RenderParams& params) {
 }
 
 Camera viewOf(const Scene& scene, const RenderParams& params) {
-    Camera camera = findCamera(scene, params.camera);
+    Camera camera = params.view ? *params.view : findCamera(scene, params.camera);
     camera.window = params.window;
     return camera;
 }
@@ -289,7 +289,7 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             if (params.gather_road == GatherRoad::kRaster && params.bounces != 1) {
                 throwUsage("--bounces: records that are rasterised have 1; use --gather ray");
             }
-            findCamera(scene_, params.camera);  // before anything is made for it
+            viewOf(scene_, params);  // before anything is made for it
             StageSeconds seconds;
             if (!state_ || state_->road != params.gather_road) {
                 state_.reset();  // never two of them in memory

@@ -4,7 +4,9 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cache/placement_params.h"
@@ -27,6 +29,8 @@ struct RenderParams {
     int width = 512;
     int height = 512;
     std::string camera;  ///< name or index; empty: the scene's first
+    /// A camera that is none of the scene's; `camera` is then not used.
+    std::optional<Camera> view = {};
     /// The image that these pixels are a part of; none: all of it (render/crop.h).
     Camera::Window window = {};
     /// Samples of a pixel with edges, a power of two. 1: each pixel shows its middle, as studies
@@ -79,7 +83,8 @@ struct StageSeconds {
 /// What the program prints and writes as --json.
 struct RenderStats {
     int records = 0;
-    int records_reused = 0;  ///< of these, from former frames
+    int records_reused = 0;   ///< of these, from former frames
+    int records_renewed = 0;  ///< of those, gathered anew at their places
     StageSeconds seconds;
     int pixels_geometry = 0;   ///< pixels that see geometry
     int pixels_uncovered = 0;  ///< of these, without any record
@@ -152,6 +157,8 @@ class Session {
     /// before it. `records`: to begin with, of that recipe.
     void keepRecords(KeptRecords records = {}, std::string recipe = {});
     const KeptRecords& records() const { return kept_; }
+    /// Hands them over; none are left.
+    KeptRecords takeRecords() { return std::exchange(kept_, {}); }
 
   private:
     RenderResult renderByMethod(const RenderParams& params);

@@ -25,9 +25,17 @@ void checkBeginning(const std::string& path, std::string_view bytes) {
     }
 }
 
+// Before memory is taken for what the file holds.
+void checkSize(const std::string& path, uint64_t size) {
+    constexpr uint64_t kCopies = 4;  // as read, as parsed twice, as the scene
+    if (size > std::numeric_limits<uint32_t>::max()) {
+        throwInput("{}: has more than 4 GiB, which glTF cannot hold; split the scene", path);
+    }
+    checkMemory({.bytes = kCopies * size}, path, "split the scene");
+}
+
 std::string readWholeFile(const std::string& path) {
     constexpr size_t kBeginning = 4096;
-    constexpr uint64_t kCopies = 4;  // as read, as parsed twice, as the scene
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(path, error);
     if (!std::filesystem::exists(status)) {
@@ -50,10 +58,7 @@ std::string readWholeFile(const std::string& path) {
     std::string bytes(std::min<uint64_t>(size, kBeginning), '\0');
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     checkBeginning(path, bytes);
-    if (size > std::numeric_limits<uint32_t>::max()) {
-        throwInput("{}: has more than 4 GiB, which glTF cannot hold; split the scene", path);
-    }
-    checkMemory({.bytes = kCopies * size}, path, "split the scene");
+    checkSize(path, size);
     const size_t read = bytes.size();
     bytes.resize(size);
     in.read(bytes.data() + read, static_cast<std::streamsize>(size - read));
@@ -223,6 +228,25 @@ void Notes::add(const std::string& what, int64_t count) {
     notes_.emplace_back(what, count);
 }
 
+void Notes::add(const Notes& others) {
+    for (const auto& [what, count] : others.notes_) {
+        add(what, count);
+    }
+}
+
+Notes Notes::without(const Notes& known) const {
+    Notes rest;
+    for (const auto& note : notes_) {
+        const bool is_known =
+            std::any_of(known.notes_.begin(), known.notes_.end(),
+                        [&](const auto& other) { return other.first == note.first; });
+        if (!is_known) {
+            rest.notes_.push_back(note);
+        }
+    }
+    return rest;
+}
+
 std::vector<std::string> Notes::lines() const {
     std::vector<std::string> lines;
     for (const auto& [what, count] : notes_) {
@@ -235,6 +259,8 @@ bool File::uses(const std::string& extension) const {
     const std::vector<std::string>& used = model.extensionsUsed;
     return std::find(used.begin(), used.end(), extension) != used.end();
 }
+
+bool File::animated() const { return animations && !animations->empty(); }
 
 float finiteFloat(const File& file, double value, const std::string& where, const char* what) {
     const auto result = static_cast<float>(value);
@@ -276,7 +302,13 @@ std::string jsonOf(const std::string& path) {
 }
 
 void parse(File& file) {
-    const std::string bytes = readWholeFile(file.path);
+    if (file.bytes.empty()) {
+        file.bytes = readWholeFile(file.path);
+    } else {
+        checkBeginning(file.path, file.bytes);
+        checkSize(file.path, file.bytes.size());
+    }
+    const std::string bytes = std::move(file.bytes);
     const Document parts = documentOf(file.path, bytes);
     checkNesting(file.path, parts.json);
     nlohmann::json document;
@@ -290,7 +322,7 @@ void parse(File& file) {
     }
     const nlohmann::json buffers = takeArray(document, "buffers");
     const nlohmann::json images = takeArray(document, "images");
-    file.animated = !takeArray(document, "animations").empty();
+    file.animations = std::make_shared<const nlohmann::json>(takeArray(document, "animations"));
     const std::string error = parseModel(std::move(document), file.model);
     // A file that an extension changes often fails to parse for that reason: name it first.
     checkRequiredExtensions(file);
