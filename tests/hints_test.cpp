@@ -327,36 +327,78 @@ TEST(RadianceHints, areTheSameForAnyThreadsAndWhenFilledAgain) {
     EXPECT_EQ(many.hints.at(seenFrom(many.tracer, eye)).irradiance, light.irradiance);
 }
 
-// A light crosses a room, a hundredth of it a frame: no flicker. What a frame changes beyond what
-// its neighbours' trend says is noise.
-TEST(RadianceHints, doNotFlickerUnderAMovingLight) {
+// How much a moving light's frames change, over their mean: from one to the next, and off the mean
+// of both neighbours, which is noise.
+struct Change {
+    double step = 0.0, flicker = 0.0;
+};
+
+// A light crosses a room, a hundredth of it a frame.
+Change changeUnderAMovingLight(float share) {
     constexpr int kFrames = 12;
-    constexpr double kLargestStep = 0.03;  // of the image, from frame to frame
-    constexpr double kFlicker = 0.015;     // of it, off the mean of both neighbours
     Scene scene = glossyRoom();
     Hinted hinted(scene);
     const Receivers receivers = seenFrom(hinted.tracer, vec3(0.1f, 0.1f, 0.5f), 1024);
     std::vector<std::vector<vec3>> frames;
     for (int frame = 0; frame < kFrames; ++frame) {
         scene.lights[0].position.x = 0.2f - 0.02f * static_cast<float>(frame);
-        hinted.hints.fill(SceneLights(hinted.tracer));
+        hinted.hints.fill(SceneLights(hinted.tracer), share);
         frames.push_back(hinted.hints.at(receivers).irradiance);
     }
-    double step = 0.0, flicker = 0.0;
+    Change change;
     for (size_t f = 0; f + 1 < frames.size(); ++f) {
-        step = std::max(step, difference(frames[f + 1], frames[f]));
+        change.step = std::max(change.step, difference(frames[f + 1], frames[f]));
         if (f > 0) {
             std::vector<vec3> between(frames[f].size());
             for (size_t i = 0; i < between.size(); ++i) {
                 between[i] = 0.5f * (frames[f - 1][i] + frames[f + 1][i]);
             }
-            flicker = std::max(flicker, difference(between, frames[f]));
+            change.flicker = std::max(change.flicker, difference(between, frames[f]));
         }
     }
-    std::printf("step %.2f%%, flicker %.2f%%\n", 100.0 * step, 100.0 * flicker);
-    EXPECT_LT(step, kLargestStep);
-    EXPECT_LT(flicker, kFlicker);
-    EXPECT_GT(step, 1e-3);  // it did move
+    std::printf("step %.2f%%, flicker %.2f%%\n", 100.0 * change.step, 100.0 * change.flicker);
+    return change;
+}
+
+TEST(RadianceHints, doNotFlickerUnderAMovingLight) {
+    const Change change = changeUnderAMovingLight(1.0f);
+    EXPECT_LT(change.step, 0.03);
+    EXPECT_LT(change.flicker, 0.015);
+    EXPECT_GT(change.step, 1e-3);  // it did move
+    EXPECT_LT(changeUnderAMovingLight(0.25f).flicker, 0.5 * change.flicker);
+}
+
+// Filled by a share, again and again, they come to what they are when filled at once.
+TEST(RadianceHints, filledBySharesComeToTheSame) {
+    Scene scene = glossyRoom();
+    Hinted hinted(scene);
+    const Receivers receivers = seenFrom(hinted.tracer, vec3(0.1f, 0.1f, 0.5f));
+    const std::vector<vec3> before = hinted.hints.at(receivers).irradiance;
+    scene.lights[0].position.x -= 0.5f;
+    const SceneLights lights(hinted.tracer);
+    hinted.hints.fill(lights, 0.5f);
+    const std::vector<vec3> half = hinted.hints.at(receivers).irradiance;
+    for (int i = 0; i < 10; ++i) {
+        hinted.hints.fill(lights, 0.5f);
+    }
+    const std::vector<vec3> shared = hinted.hints.at(receivers).irradiance;
+    hinted.hints.fill(lights);
+    const std::vector<vec3> whole = hinted.hints.at(receivers).irradiance;
+    EXPECT_LT(difference(shared, whole), 2e-3);
+    EXPECT_NEAR(difference(half, whole) / difference(before, whole), 0.5, 0.05);
+}
+
+// All bounces are not followed to their end, but estimated from there.
+TEST(RadianceHints, allBouncesAreAsMany) {
+    const Scene scene = glossyRoom();
+    const Hinted all(scene);
+    HintsParams many = kFew;
+    many.bounces = 64;
+    const Hinted followed(scene, many);
+    const Receivers receivers = seenFrom(all.tracer, vec3(0.1f, 0.1f, 0.5f));
+    EXPECT_LT(
+        difference(all.hints.at(receivers).irradiance, followed.hints.at(receivers).irradiance),
+        0.02);
 }
 
 // A finer volume within the scene's tells the same light, and the border between them is no step.

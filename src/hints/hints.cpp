@@ -161,7 +161,8 @@ RadianceHints::Values RadianceHints::ofSamples(const Volume& volume) const {
     return light;
 }
 
-// Each sample is asked from a point of the hint's cell: one ray says whether it is seen.
+// Each group of samples is asked from a point of the hint's cell; one ray says of each whether it
+// is seen.
 void RadianceHints::addSamples(const HintGrid& grid, int hint, float* sums) const {
     const vec3* points = grid.pointsOf(hint);
     const vec3& cell = grid.lattice().cell;
@@ -180,7 +181,7 @@ void RadianceHints::addSamples(const HintGrid& grid, int hint, float* sums) cons
     };
     for (size_t s = 0; s < samples_.size(); ++s) {
         const LitSample& sample = samples_[s];
-        const vec3& p = points[s % HintGrid::kLooks];
+        const vec3& p = points[sample.group % HintGrid::kLooks];
         const vec3 way = sample.position - p;
         const float height = -glm::dot(sample.n_g, way);
         if (!(height > 0.0f)) {
@@ -250,18 +251,20 @@ std::vector<RadianceHints::Values> RadianceHints::scattered(
 // Adds to all light so far what becomes of the last bounce's. The remainder of all bounces is taken
 // to fall on as the last one did, a geometric series.
 void RadianceHints::followBounces(std::vector<Values> last, std::vector<Values>& sum) const {
-    constexpr int kMostFollowed = 8;
+    constexpr int kMostFollowed = 4;
     constexpr double kLeast = 0.003;  // of all light; what is less is not followed on
+    constexpr double kNone = 1e-5;    // likewise, of a given number of bounces
     constexpr double kSlowest = 0.95;
     double before = total(last, stride());
     bool ends = false;
     for (int bounce = 2; bounce <= params_.bounces && before > 0.0 && !ends; ++bounce) {
         last = scattered(last);
         const double now = total(last, stride());
-        ends = params_.bounces == kAllBounces &&
-               (bounce > kMostFollowed || now < kLeast * total(sum, stride()));
+        const bool all = params_.bounces == kAllBounces;
+        ends =
+            (all && bounce > kMostFollowed) || now < (all ? kLeast : kNone) * total(sum, stride());
         const double ratio = std::min(now / before, kSlowest);
-        const auto factor = static_cast<float>(ends ? 1.0 / (1.0 - ratio) : 1.0);
+        const auto factor = static_cast<float>(all && ends ? 1.0 / (1.0 - ratio) : 1.0);
         for (size_t v = 0; v < sum.size(); ++v) {
             add(last[v], factor, sum[v]);
         }
@@ -269,7 +272,8 @@ void RadianceHints::followBounces(std::vector<Values> last, std::vector<Values>&
     }
 }
 
-void RadianceHints::fill(const SceneLights& lights) {
+void RadianceHints::fill(const SceneLights& lights, float share) {
+    SHEEN_CHECK(share > 0.0f && share <= 1.0f);
     samples_ = litSamples(tracer_, lights, params_.samples);
     const SkySamples sky(tracer_.scene().environment);
     // The sky's own light, and what is scattered once.
@@ -284,7 +288,14 @@ void RadianceHints::fill(const SceneLights& lights) {
     }
     followBounces(std::move(once), sum);
     for (size_t v = 0; v < volumes_.size(); ++v) {
-        volumes_[v].light = std::move(sum[v]);
+        Values& light = volumes_[v].light;
+        if (share == 1.0f || light.empty()) {
+            light = std::move(sum[v]);
+            continue;
+        }
+        for (size_t i = 0; i < light.size(); ++i) {
+            light[i] += share * (sum[v][i] - light[i]);
+        }
     }
 }
 

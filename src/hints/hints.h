@@ -19,7 +19,7 @@ namespace sheen {
 /// Defaults were chosen by measurement (docs/decisions/hints.md).
 struct HintsParams {
     int hints = 4096;           ///< of each volume, about
-    int samples = 768;          ///< of lit surfaces, shared among all lights
+    int samples = 1024;         ///< of lit surfaces, shared among all lights
     int order = 3;              ///< of the spherical harmonics: 2 (4 coefficients) or 3 (9)
     int bounces = kAllBounces;  ///< so often light is scattered before it arrives, at the most
 };
@@ -48,8 +48,9 @@ class RadianceHints {
 
     /// Fills them with the light of the tracer's scene as it is: again where its lights or its sky
     /// changed. `lights` must be those of the scene, and is not kept. (What surfaces reflect was
-    /// found when the hints were made.)
-    void fill(const SceneLights& lights);
+    /// found when the hints were made.) `share`, in (0, 1]: of this light, what is left is what
+    /// they held before; less steadies, and delays, what a moving light does from frame to frame.
+    void fill(const SceneLights& lights, float share = 1.0f);
 
     /// What the hints say, once filled; the sky's light is part of it. Only what receivers say of
     /// place, normal and reflectances is asked, as fieldsOf() has it.

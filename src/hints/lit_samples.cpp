@@ -20,6 +20,27 @@ vec2 spread(uint32_t i) {
     return {static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y))};
 }
 
+// 0 to count - 1, such that terms of the sequence that follow each other are close: in Morton
+// order.
+std::vector<uint32_t> neighbourly(uint32_t count) {
+    constexpr float kCells = 256.0f;
+    std::vector<std::pair<uint32_t, uint32_t>> ordered;  // Morton code, number
+    for (uint32_t i = 0; i < count; ++i) {
+        const uvec2 cell = glm::min(uvec2(spread(i) * kCells), uvec2(255u));
+        uint32_t code = 0;
+        for (uint32_t bit = 0; bit < 8; ++bit) {
+            code |= (cell.x >> bit & 1u) << (2 * bit) | (cell.y >> bit & 1u) << (2 * bit + 1);
+        }
+        ordered.emplace_back(code, i);
+    }
+    std::sort(ordered.begin(), ordered.end());
+    std::vector<uint32_t> numbers;
+    for (const auto& [code, number] : ordered) {
+        numbers.push_back(number);
+    }
+    return numbers;
+}
+
 // From all directions within the cone about an axis whose cosine is at least `least`.
 vec3 directionInCone(const vec3& axis, float least, const vec2& u) {
     const float z = 1.0f - u.x * (1.0f - least);
@@ -137,6 +158,7 @@ LitSample sampleOf(const Scene& scene, const LightRay& ray, const Hit& hit) {
     return {.position = p.eye(scene),
             .n_g = p.n_g,
             .received = received,
+            .group = 0,
             .wi = p.wo,
             .light_distance = light_distance,
             .surface = surface,
@@ -162,7 +184,7 @@ void addRays(const std::vector<Source>& sources, int count, std::vector<LightRay
         // Those whose sum passes whole numbers get one.
         const auto to = static_cast<uint32_t>(std::llround(sum));
         const double each = expected < kMany ? expected : to - given;
-        for (uint32_t k = 0; k < to - given && sources[i].power > 0.0; ++k) {
+        for (const uint32_t k : neighbourly(sources[i].power > 0.0 ? to - given : 0)) {
             rays.push_back(sources[i].ray(k, static_cast<float>(each)));
         }
         given = to;
@@ -188,7 +210,8 @@ void addSamples(const Tracer& tracer, const std::vector<LightRay>& rays,
                     hits.data());
         for (size_t k = 0; k < count; ++k) {
             if (hits[k].found()) {
-                const LitSample s = sampleOf(tracer.scene(), rays[from + k], hits[k]);
+                LitSample s = sampleOf(tracer.scene(), rays[from + k], hits[k]);
+                s.group = static_cast<uint32_t>(packet);
                 found[from + k] = s;
                 any[from + k] = finite(s.received) && s.received != vec3(0.0f) ? 1 : 0;
             }

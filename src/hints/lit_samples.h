@@ -12,10 +12,11 @@ namespace sheen {
 
 /// A piece of surface that one ray from a light stands for.
 struct LitSample {
-    vec3 position;  ///< where rays leave it, on the lit side
-    vec3 n_g;       ///< unit, on that side
-    vec3 received;  ///< from the light, lm
-    vec3 wi;        ///< unit, toward the light
+    vec3 position;   ///< where rays leave it, on the lit side
+    vec3 n_g;        ///< unit, on that side
+    vec3 received;   ///< from the light, lm
+    uint32_t group;  ///< neighbours are a group; the same where the light's place is another
+    vec3 wi;         ///< unit, toward the light
     float light_distance;
     Scatterer surface;
     float softening2;  ///< its area over pi, as it counts from nearby
