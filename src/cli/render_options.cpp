@@ -269,6 +269,27 @@ void checkFileOptions(const RenderOptions& o, FileKind kind) {
     }
 }
 
+// In the order of --help, whatever the one they came in; not those that change no figure.
+std::string givenOptions(const CLI::App& app) {
+    constexpr std::string_view kOthers[] = {"output",   "json", "threads",
+                                            "exposure", "tone", "cache"};
+    std::string text;
+    for (const CLI::Option* option : app.get_options()) {
+        const std::vector<std::string>& names = option->get_lnames();
+        if (option->count() == 0 || names.empty() ||
+            std::find(std::begin(kOthers), std::end(kOthers), names[0]) != std::end(kOthers)) {
+            continue;
+        }
+        std::string value;
+        for (const std::string& part : option->results()) {
+            value += value.empty() ? "" : ",";
+            value += part;
+        }
+        text += fmt::format("{}--{}={}", text.empty() ? "" : " ", names[0], value);
+    }
+    return text;
+}
+
 std::string defaultOutput(const std::string& scene) {
     return std::filesystem::path(scene).stem().string() + ".exr";
 }
@@ -286,6 +307,7 @@ bool usesCache(Method method) {
 ToneCurve toneCurve(const RenderOptions& o) { return kTones.at(o.tone); }
 
 void addRenderOptions(CLI::App& app, RenderOptions& o) {
+    o.app = &app;
     addImageOptions(app, o);
     addMethodOptions(app, o);
     addSamplingOptions(app, o);
@@ -294,6 +316,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& o) {
 }
 
 void understandFrame(RenderOptions& o) {
+    o.given = givenOptions(*o.app);
     const ivec2 size = parseSize(o.size);
     o.params.width = size.x;
     o.params.height = size.y;

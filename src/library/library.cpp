@@ -27,22 +27,29 @@ struct sheen_scene {
     std::string name;
     bool from_file = false;
     std::shared_ptr<const sheen::Scene> scene;
+    std::vector<sheen::library::NamedValue> options;  // that it was loaded with
 };
 
 struct sheen_session {
     std::string name;
     bool from_file;
     std::shared_ptr<const sheen::Scene> scene;
+    std::vector<sheen::library::NamedValue> scene_options;
     sheen::Session session;
     std::mutex mutex;  // of one frame at a time
 
     explicit sheen_session(const sheen_scene& of)
-        : name(of.name), from_file(of.from_file), scene(of.scene), session(*scene) {}
+        : name(of.name),
+          from_file(of.from_file),
+          scene(of.scene),
+          scene_options(of.options),
+          session(*scene) {}
 };
 
 struct sheen_frame {
     sheen::Frame frame;
     bool all_layers = false;
+    sheen::ExrNotes notes;
     sheen::Image<sheen::vec3> beauty;
     sheen::Image<float> alpha;
     std::vector<sheen_layer> layers;  // which point into the images above
@@ -148,12 +155,13 @@ sheen_status makeScene(const std::string& name, bool from_file, const OptionList
         *result = nullptr;
         const Listener listener = listenerOf(c_listener);
         const ListenerScope scope(listener);
-        const auto request = requestOf(Call::kScene, spanOf(options.options, options.count));
+        const auto given = spanOf(options.options, options.count);
+        const auto request = requestOf(Call::kScene, given);
         auto scene = std::make_shared<const Scene>(load(request->options.load));
         for (const std::string& warning : scene->warnings) {
             warn(warning);
         }
-        *result = new sheen_scene{name, from_file, std::move(scene)};
+        *result = new sheen_scene{name, from_file, std::move(scene), namedValues(given)};
     });
 }
 
@@ -209,6 +217,7 @@ std::unique_ptr<sheen_frame> renderedFrame(sheen_session& session, cli::RenderOp
     auto frame = std::make_unique<sheen_frame>();
     frame->frame = std::move(result.frame);
     frame->all_layers = options.params.all_layers;
+    frame->notes = cli::notesOf(options, result.stats);
     addLayers(*frame);
     frame->figures = cli::statsJson(options, result.stats);
     frame->figures.erase("output");
@@ -310,7 +319,8 @@ sheen_status sheen_render(sheen_session* session, const sheen_option* options, s
         checkGiven(frame, "frame");
         *frame = nullptr;
         checkGiven(session, "session");
-        const auto request = requestOf(Call::kRender, spanOf(options, count));
+        const auto request =
+            requestOf(Call::kRender, spanOf(options, count), session->scene_options);
         const Listener listener = listenerOf(c_listener);
         const ListenerScope scope(listener);
         const std::lock_guard<std::mutex> lock(session->mutex);
@@ -383,7 +393,8 @@ sheen_status sheen_frame_write(const sheen_frame* frame, const char* path,
         checkGiven(path, "path");
         const auto request = requestOf(Call::kWrite, spanOf(options, count));
         if (cli::imageKind(path) == cli::FileKind::kExr) {
-            writeExr(path, frame->frame, frame->all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
+            writeExr(path, frame->frame, frame->all_layers ? ExrLayers::kAll : ExrLayers::kBasic,
+                     frame->notes);
         } else {
             writePng(path, frame->frame, cli::parseExposure(request->options.exposure),
                      cli::toneCurve(request->options));
