@@ -232,6 +232,37 @@ TEST_F(CliTest, baselinesRender) {
     EXPECT_NE(textOf(file("octree.exr")), textOf(file("b.exr")));
 }
 
+TEST_F(CliTest, hintsRender) {
+    const char* const small = "render scene.gltf --size 24x16 --method hints --hints 500";
+    const Outcome run = call(fmt::format("{} -o a.exr --json - --layers all", small));
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Json json = Json::parse(run.out);
+    EXPECT_EQ(json["method"], "hints");
+    EXPECT_EQ(json["aa"], 1);
+    EXPECT_EQ(json["records"], 0);
+    EXPECT_GT(json["hints"].get<int>(), 100);
+    EXPECT_GT(json["lit_samples"].get<int>(), 0);
+    EXPECT_EQ(json["gl_renderer"], "");
+    EXPECT_TRUE(json["estimated_rel_rmse"].is_null());
+    const LoadedExr exr = readExr(file("a.exr"));
+    EXPECT_EQ(exr.colors.count("indirect_diffuse"), 1u);
+    EXPECT_EQ(exr.scalars.count("weight.Y") + exr.scalars.count("records.Y"), 0u);
+    // Pixels see what those of other methods do, so that they are compared.
+    ASSERT_EQ(call("render scene.gltf --size 24x16 --aa 1 -o cache.exr").code, 0);
+    EXPECT_EQ(call("compare a.exr cache.exr --layer direct").code, 0);
+    // Threads change nothing; bounces, order and number do.
+    ASSERT_EQ(call(fmt::format("{} -o b.exr --layers all --threads 1", small)).code, 0);
+    EXPECT_EQ(textOf(file("a.exr")), textOf(file("b.exr")));
+    for (const char* option : {"--bounces 1", "--sh-order 2", "--hints 1000"}) {
+        const std::string text = option == std::string("--hints 1000")
+                                     ? "render scene.gltf --size 24x16 --method hints"
+                                     : small;
+        ASSERT_EQ(call(fmt::format("{} {} -o b.exr --layers all", text, option)).code, 0);
+        EXPECT_NE(textOf(file("a.exr")), textOf(file("b.exr"))) << option;
+    }
+    EXPECT_NE(call(fmt::format("{} -o b.exr", small)).out.find("hints     "), std::string::npos);
+}
+
 TEST_F(CliTest, threadsAndRepetitionChangeNothing) {
     ASSERT_EQ(call(std::string(kReference) + " -o a.exr --threads 1").code, 0);
     ASSERT_EQ(call(std::string(kReference) + " -o b.exr --threads 2").code, 0);
@@ -291,7 +322,8 @@ TEST_F(CliTest, aPixelAloneHasAnEstimate) {
 }
 
 TEST_F(CliTest, aGivenSkyShowsUnlessTransparent) {
-    for (const char* method : {"radiance", "irradiance", "reference", "denoised", "octree"}) {
+    for (const char* method :
+         {"radiance", "irradiance", "reference", "denoised", "octree", "hints"}) {
         for (const bool transparent : {false, true}) {
             const Outcome run = call(
                 fmt::format("render scene.gltf --method {} --size 24x16 -o a.exr --environment "

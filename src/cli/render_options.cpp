@@ -10,11 +10,10 @@
 namespace sheen::cli {
 namespace {
 
-const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
-                                                {"irradiance", Method::kIrradiance},
-                                                {"reference", Method::kReference},
-                                                {"octree", Method::kOctree},
-                                                {"denoised", Method::kDenoised}};
+const std::map<std::string, Method> kMethods = {
+    {"radiance", Method::kRadiance},   {"irradiance", Method::kIrradiance},
+    {"reference", Method::kReference}, {"octree", Method::kOctree},
+    {"denoised", Method::kDenoised},   {"hints", Method::kHints}};
 
 const std::map<std::string, ToneCurve> kTones = {{"neutral", ToneCurve::kNeutral},
                                                  {"none", ToneCurve::kNone}};
@@ -102,10 +101,12 @@ struct Limiter {
 void addMethodOptions(CLI::App& app, RenderOptions& o) {
     RenderParams& p = o.params;
     const Limiter limited{o};
-    app.add_option("--method", o.method,
-                   "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
-                   "reference (path tracer), or to compare with: denoised (path tracer, filtered), "
-                   "octree (classical irradiance cache, diffuse only)")
+    app.add_option(
+           "--method", o.method,
+           "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
+           "reference (path tracer), or to compare with: denoised (path tracer, filtered), "
+           "octree (classical irradiance cache, diffuse only), hints (radiance hints: quick "
+           "and approximate)")
         ->check(CLI::IsMember(keysOf(kMethods)))
         ->capture_default_str();
     CLI::Option* accuracy = limited(
@@ -152,8 +153,13 @@ void addSamplingOptions(CLI::App& app, RenderOptions& o) {
     const Limiter limited{o};
     limited(app.add_option("--sh-order", o.sh_order,
                            "radiance: order of the spherical harmonics, 2..10, or auto: by "
-                           "material"),
-            {Method::kRadiance});
+                           "material; hints: 2 or 3, auto is 3"),
+            {Method::kRadiance, Method::kHints});
+    limited(app.add_option("--hints", p.hints,
+                           "hints: about so many in each volume, 64..65536; more are better and "
+                           "slower")
+                ->check(numberIn(64, 65536)),
+            {Method::kHints});
     limited(app.add_option("--gather", o.gather,
                            "radiance, irradiance: how a record sees its hemisphere: by rays "
                            "through a hemicube (ray), or rasterised: on a hemicube, or one plane "
@@ -335,6 +341,9 @@ void understandFrame(RenderOptions& o) {
     parseExposure(o.exposure);
     parseViewpoint(o.camera_at, o.look_at, o.fov, o.params.camera, o.load);
     checkMethodOptions(o);
+    if (o.params.method == Method::kHints && o.params.sh_order > 3) {
+        throwUsage("--sh-order {}: hints have 2 or 3", o.sh_order);
+    }
     o.params.caustics = causticsOf(o);
     o.load.environment.no_sky =
         usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;

@@ -112,6 +112,10 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
         json["caustic_photons"] = stats.caustic_photons;
         json["elements_missed_share"] = stats.elements_missed_share;
     }
+    if (o.params.method == Method::kHints) {
+        json["hints"] = stats.hints;
+        json["lit_samples"] = stats.lit_samples;
+    }
     if (tracesPaths(o.params.method)) {
         json["mrays_per_second"] = stats.mrays_per_second;
         json["spp"] = stats.spp;
@@ -154,6 +158,9 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
     if (tracesPaths(o.params.method)) {
         fmt::print("rays      {:.2f} million a second, {} threads; {} paths a pixel\n",
                    stats.mrays_per_second, threadCount(), stats.spp);
+    } else if (o.params.method == Method::kHints) {
+        fmt::print("hints     {}, of {} samples of lit surfaces; pixels that see none: {} of {}\n",
+                   stats.hints, stats.lit_samples, stats.pixels_uncovered, stats.pixels_geometry);
     } else {
         fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
                    stats.pixels_uncovered, stats.pixels_geometry);

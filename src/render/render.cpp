@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "receivers/classes.h"
+#include "render/hints.h"
 #include "render/memory_check.h"
 #include "render/pass.h"
 #include "render/session.h"
@@ -234,6 +235,7 @@ bool smoothsEdges(Method method, GatherRoad road) {
             return road == GatherRoad::kRays;
         case Method::kOctree:
         case Method::kDenoised:
+        case Method::kHints:
             return false;
     }
     throw std::logic_error("unknown method");
@@ -272,6 +274,11 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             return renderByPaths(scene_, params);
         case Method::kOctree:
             return renderByOctree(scene_, params);
+        case Method::kHints: {
+            RenderResult result = renderByHints(scene_, params);
+            countPixels(result);
+            return result;
+        }
         case Method::kRadiance:
         case Method::kIrradiance: {
             if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {

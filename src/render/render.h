@@ -19,7 +19,7 @@
 
 namespace sheen {
 
-enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised };
+enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised, kHints };
 
 /// Everything that changes the image. Defaults were chosen by measurement
 /// (docs/decisions/placement.md).
@@ -57,6 +57,8 @@ struct RenderParams {
     /// are better. 0: that is part of the indirect light. The reference, which has no photons,
     /// keeps it apart as well. No cost where a scene has no such surfaces.
     int caustics = 1'000'000;
+    /// Of radiance hints: about so many in each volume. They heed sh_order too: 2 or 3, 0 is 3.
+    int hints = 4096;
     // The path tracer, plain and denoised.
     int spp = 256;  ///< paths a pixel, over all replicates
     uint32_t seed = 0;
@@ -104,6 +106,8 @@ struct RenderStats {
     size_t elements = 0;
     double elements_missed_share = 0;
     size_t caustic_photons = 0;  ///< kept, on what is seen
+    size_t hints = 0;            ///< radiance hints, in all volumes
+    size_t lit_samples = 0;      ///< of surfaces that lights shine on, which hints ask
     std::vector<MaterialOrder> sh_order;
     std::string gl_renderer;      ///< empty where none was used
     double mrays_per_second = 0;  ///< path-traced methods only
