@@ -19,6 +19,7 @@
 #include "image/exr.h"
 #include "image/png.h"
 #include "library/arrays.h"
+#include "library/points.h"
 #include "library/requests.h"
 #include "scene/defaults.h"
 #include "scene/scene_bytes.h"
@@ -165,6 +166,16 @@ sheen_status makeScene(const std::string& name, bool from_file, const OptionList
     });
 }
 
+// By at most so many threads; 0: all that there are.
+template <class Work>
+void withThreads(int threads, const Work& work) {
+    if (threads > 0) {
+        tbb::task_arena(threads).execute(work);
+    } else {
+        work();
+    }
+}
+
 // A camera that the request moves or turns, of those of the scene.
 void chooseView(const Scene& scene, cli::RenderOptions& options) {
     if (options.load.view.given()) {
@@ -207,11 +218,7 @@ std::unique_ptr<sheen_frame> renderedFrame(sheen_session& session, cli::RenderOp
         }
         result = cli::renderWanted(own ? *own : session.session, scene, options);
     };
-    if (options.threads > 0) {
-        tbb::task_arena(options.threads).execute(render);
-    } else {
-        render();
-    }
+    withThreads(options.threads, render);
     result.stats.seconds.total = timer.seconds();
     cli::warnOf(options, scene, result, options.params.time_limit);
     auto frame = std::make_unique<sheen_frame>();
@@ -325,6 +332,21 @@ sheen_status sheen_render(sheen_session* session, const sheen_option* options, s
         const ListenerScope scope(listener);
         const std::lock_guard<std::mutex> lock(session->mutex);
         *frame = renderedFrame(*session, request->options).release();
+    });
+}
+
+sheen_status sheen_irradiance(const sheen_scene* scene, const sheen_points* points,
+                              const sheen_option* options, size_t count,
+                              const sheen_listener* c_listener, float* direct, float* indirect,
+                              sheen_error* error) {
+    return guarded(error, [&] {
+        checkGiven(scene, "scene");
+        checkGiven(points, "points");
+        const auto request = requestOf(Call::kPoints, spanOf(options, count));
+        const Listener listener = listenerOf(c_listener);
+        const ListenerScope scope(listener);
+        withThreads(request->options.threads,
+                    [&] { askPoints(*scene->scene, *points, *request, direct, indirect); });
     });
 }
 

@@ -12,6 +12,7 @@ constexpr std::array<std::string_view, 5> kOfScene = {
     "variant", "environment", "environment-rotation", "environment-strength", "transparent"};
 constexpr std::array<std::string_view, 4> kOfView = {"camera", "camera-at", "look-at", "fov"};
 constexpr std::array<std::string_view, 2> kOfWriting = {"exposure", "tone"};
+constexpr std::array<std::string_view, 3> kOfPoints = {"accuracy", "bounces", "threads"};
 constexpr std::array<std::string_view, 3> kOfProgram = {"help", "output", "json"};
 
 template <size_t N>
@@ -27,6 +28,8 @@ bool belongs(Call call, std::string_view name) {
             return !isIn(kOfScene, name) && !isIn(kOfWriting, name) && !isIn(kOfProgram, name);
         case Call::kWrite:
             return isIn(kOfWriting, name);
+        case Call::kPoints:
+            return isIn(kOfPoints, name);
     }
     throw std::logic_error("unknown call");
 }

@@ -11,7 +11,7 @@
 namespace sheen::library {
 
 /// What a call is about, and so which options it has.
-enum class Call { kScene, kRender, kWrite };
+enum class Call { kScene, kRender, kWrite, kPoints };
 
 /// Options of a call, parsed. `app` is what they point into.
 struct Request {
