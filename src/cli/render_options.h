@@ -40,7 +40,7 @@ struct RenderOptions {
     double fov = 0.0;  ///< degrees; 0: the camera's
     RenderParams params;
     const CLI::App* app = nullptr;  ///< that they were added to
-    std::string given;  ///< what was said of the scene and the frame, "--size=64x64 --aa=1"
+    std::string settings;           ///< of the image, by options, "--size=64x64 --aa=1 ..."
     std::vector<LimitedOption> limited;
     CLI::Option* aa_option = nullptr;
     CLI::Option* exposure_option = nullptr;
@@ -53,7 +53,7 @@ struct RenderOptions {
 
 void addRenderOptions(CLI::App& app, RenderOptions& o);
 
-/// Fills `params`, `load` and `given` by what the others say. Usage error for what cannot be, or
+/// Fills `params`, `load` and `settings` by what the others say. Usage error for what cannot be, or
 /// does not go together.
 void understandFrame(RenderOptions& o);
 

@@ -127,7 +127,7 @@ ExrNotes notesOf(const RenderOptions& o, const RenderStats& stats) {
     ExrNotes notes{.texts = {{"software", "sheen " SHEEN_VERSION},
                              {"sheen.scene", std::filesystem::path(o.scene).filename().string()},
                              {"sheen.method", o.method},
-                             {"sheen.options", o.given}},
+                             {"sheen.options", o.settings}},
                    .numbers = {{"whiteLuminance", 1.0f}}};  // of (1, 1, 1), nits
     const auto add = [&](const char* name, double value) {
         if (std::isfinite(value)) {
