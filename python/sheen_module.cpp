@@ -292,8 +292,32 @@ sheen::Scene sceneFromArrays(const py::list& meshes, const py::list& materials,
     return unlocked([&] { return sheen::Scene::fromArrays(arrays, options, listener); });
 }
 
-// ---- Frames
-// ---------------------------------------------------------------------------------------
+// ---- Light at points ----
+
+using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+py::tuple irradianceAt(const sheen::Scene& scene, const DoubleArray& positions,
+                       const FloatArray& normals, float width, py::kwargs kwargs) {
+    const auto is_rows = [](const py::array& array) {
+        return array.ndim() == 2 && array.shape(1) == 3;
+    };
+    if (!is_rows(positions) || !is_rows(normals) || positions.shape(0) != normals.shape(0)) {
+        failUsage("points: positions and normals must be as many rows of 3");
+    }
+    sheen::Points points;
+    points.positions.assign(positions.data(), positions.data() + positions.size());
+    points.normals.assign(normals.data(), normals.data() + normals.size());
+    points.width = width;
+    const sheen::Listener listener = listenerOf(taken(kwargs, "progress"));
+    const sheen::Options options = optionsOf(kwargs);
+    const sheen::Irradiance light =
+        unlocked([&] { return sheen::irradiance(scene, points, options, listener); });
+    const std::vector<py::ssize_t> shape = {positions.shape(0), 3};
+    return py::make_tuple(py::array_t<float>(shape, light.direct.data()),
+                          py::array_t<float>(shape, light.indirect.data()));
+}
+
+// ---- Frames ----
 
 // A view of the frame's own memory, which it keeps alive and nobody may write.
 template <class T>
@@ -393,6 +417,12 @@ PYBIND11_MODULE(sheen, module) {
             "[n][3], material, name}, materials {base_color, metallic, roughness, emission, "
             "color_image [h][w][4] uint8, ...}, lights {kind, position, direction, "
             "intensity, ...}, cameras {position, look_at, up, fov, name}.")
+        .def("irradiance", &irradianceAt, py::arg("positions"), py::arg("normals"),
+             py::arg("width"),
+             "(direct, indirect) irradiance, lux, float32 [n][3], at points of surfaces: positions "
+             "[n][3] in the file's coordinates, normals [n][3] on the side that is asked for; "
+             "width: about as far as points lie apart. NaN where there is no surface. Options: "
+             "accuracy, bounces, threads; progress.")
         .def_property_readonly("triangle_count", &sheen::Scene::triangleCount)
         .def_property_readonly("cameras", &sheen::Scene::cameras, "Their names.")
         .def_property_readonly(

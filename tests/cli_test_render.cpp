@@ -1,4 +1,9 @@
 // The program from outside: render and info, their files and figures.
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
 #include "cli_test.h"
 #include "image/exr.h"
 
@@ -13,13 +18,45 @@ TEST_F(CliTest, renderNamesItsOutput) {
     EXPECT_EQ(exr.width, 16);
     EXPECT_EQ(exr.height, 12);
     EXPECT_EQ(exr.colors.count("variance"), 1u);
-    EXPECT_EQ(exr.colors.count("normal"), 0u);
+    EXPECT_EQ(exr.colors.count("N"), 0u);
     EXPECT_EQ(files(), (std::vector<std::string>{"scene.bin", "scene.exr", "scene.gltf"}));
 }
 
 TEST_F(CliTest, renderAllLayers) {
     EXPECT_EQ(call(std::string(kReference) + " --layers all --camera front -o a.exr").code, 0);
-    EXPECT_EQ(readExr(file("a.exr")).colors.count("normal"), 1u);
+    EXPECT_EQ(readExr(file("a.exr")).colors.count("N"), 1u);
+}
+
+TEST_F(CliTest, filesSayHowTheyWereMade) {
+    ASSERT_EQ(call("render scene.gltf --aa 1 --size 16x12 --accuracy 2 -o a.exr").code, 0);
+    const Imf::InputFile in(file("a.exr").c_str());
+    const auto text = [&](const char* name) {
+        return in.header().typedAttribute<Imf::StringAttribute>(name).value();
+    };
+    EXPECT_EQ(text("software").rfind("sheen ", 0), 0u);
+    EXPECT_EQ(text("sheen.scene"), "scene.gltf");
+    EXPECT_EQ(text("sheen.method"), "radiance");
+    const std::string options = text("sheen.options");
+    EXPECT_EQ(options.rfind("--size=16x12 ", 0), 0u) << options;
+    for (const char* part :
+         {" --aa=1 ", " --accuracy=2 ", " --method=radiance ", " --bounces=all"}) {
+        EXPECT_NE(options.find(part), std::string::npos) << part << " of " << options;
+    }
+    for (const char* other : {"--spp", "--threads", "--output", "--exposure"}) {
+        EXPECT_EQ(options.find(other), std::string::npos) << other << " of " << options;
+    }
+    const auto number = [&](const char* name) {
+        return in.header().typedAttribute<Imf::FloatAttribute>(name).value();
+    };
+    EXPECT_EQ(number("sheen.accuracy"), 2.0f);
+    EXPECT_GT(number("sheen.records"), 0.0f);
+    EXPECT_LE(number("sheen.estimate_low"), number("sheen.estimate_high"));
+    const std::string first = textOf(file("a.exr"));
+    ASSERT_EQ(call("render scene.gltf --accuracy 2.0 --size 16x12 --threads 1 -o a.exr --aa 1 "
+                   "--bounces all")
+                  .code,
+              0);
+    EXPECT_TRUE(textOf(file("a.exr")) == first);
 }
 
 TEST_F(CliTest, renderPng) {

@@ -24,9 +24,11 @@ TEST(Library, WritesTheFileThatTheProgramWrites) {
     const std::string by_library = (folder.path() / "library.exr").string();
     const std::string command =
         std::string(SHEEN_PROGRAM) + " render '" + scenePath("cornell_glossy") +
-        "' --size 24x20 --layers all --accuracy 1 --bounces 1 -o '" + by_program + "' > /dev/null";
+        "' --environment 0.2,0.2,0.3 --size 24x20 --layers all --accuracy 1 --bounces 1 -o '" +
+        by_program + "' > /dev/null";
     ASSERT_EQ(std::system(command.c_str()), 0);
-    const Session session(Scene::load(scenePath("cornell_glossy")));
+    const Session session(
+        Scene::load(scenePath("cornell_glossy"), {{"environment", {0.2, 0.2, 0.3}}}));
     session
         .render({{"width", 24}, {"height", 20}, {"layers", "all"}, {"accuracy", 1}, {"bounces", 1}})
         .write(by_library);

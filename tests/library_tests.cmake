@@ -1,5 +1,5 @@
 # The library as others see it: by its header alone, through the shared object.
-sheen_test(library SOURCES library_test.cpp library_test_arrays.cpp library_test_listener.cpp
+sheen_test(library SOURCES library_test.cpp library_test_arrays.cpp library_test_listener.cpp library_test_points.cpp
            USES Sheen::sheen)
 target_compile_definitions(library_test PRIVATE SHEEN_PROGRAM="$<TARGET_FILE:sheen>")
 add_dependencies(library_test sheen)
@@ -16,6 +16,9 @@ add_test(NAME Library.HeaderIsCxx17
 add_test(NAME Library.ExampleInCRenders
          COMMAND image_c ${PROJECT_SOURCE_DIR}/scenes/cornell_diffuse.glb
                  ${CMAKE_CURRENT_BINARY_DIR}/image_c.exr)
+add_test(NAME Library.ExampleAsksPoints
+         COMMAND points ${PROJECT_SOURCE_DIR}/scenes/cornell_diffuse.glb)
+set_tests_properties(Library.ExampleAsksPoints PROPERTIES PASS_REGULAR_EXPRESSION "lux")
 add_test(NAME Library.ExampleRefinesToATarget
          COMMAND progressive ${CMAKE_CURRENT_BINARY_DIR}/progressive.png 0.2 60)
 set_tests_properties(Library.ExampleRefinesToATarget PROPERTIES PASS_REGULAR_EXPRESSION

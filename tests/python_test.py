@@ -66,6 +66,17 @@ class Module(unittest.TestCase):
                                       rtol=0.2)
         self.assertEqual(len(scene.cameras), 1)
 
+    def test_light_at_points(self):
+        scene = sheen.Scene.from_arrays([FLOOR], [{}], [{"kind": "directional", "direction": (0, -1, 0),
+                                                         "intensity": (2, 2, 2)}], environment="none")
+        positions = numpy.array([[x, 0, z] for x in range(-2, 3) for z in range(-2, 3)])
+        direct, indirect = scene.irradiance(positions, numpy.tile([0, 1, 0], (25, 1)), width=1, accuracy=1)
+        self.assertEqual((direct.shape, direct.dtype), ((25, 3), numpy.float32))
+        numpy.testing.assert_allclose(direct, 2, rtol=1e-5)
+        numpy.testing.assert_array_equal(indirect, 0)
+        with self.assertRaises(sheen.UsageError):
+            scene.irradiance(positions, positions[:3], width=1)
+
     def test_images_of_arrays(self):
         red = numpy.zeros((1, 2, 4), numpy.uint8)
         red[..., 0] = 255

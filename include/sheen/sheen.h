@@ -347,6 +347,39 @@ class Scene {
     std::shared_ptr<sheen_scene> scene_;
 };
 
+/// Points of surfaces: see sheen_points. Three numbers a position and a normal.
+struct Points {
+    std::vector<double> positions;
+    std::vector<float> normals;
+    float width = 0.0f;
+};
+
+/// Lux, three numbers a point; NaN where there is no surface.
+struct Irradiance {
+    std::vector<float> direct, indirect;
+};
+
+/// Light at points: sheen_irradiance().
+inline Irradiance irradiance(const Scene& scene, const Points& points, const Options& options = {},
+                             const Listener& listener = {}) {
+    if (points.positions.size() % 3 != 0 || points.normals.size() != points.positions.size()) {
+        throw Error(ErrorKind::usage, "points: must have 3 numbers a position and a normal");
+    }
+    const detail::Ear ear(listener);
+    const std::vector<sheen_option> all = detail::cOptions(options);
+    const sheen_points c{points.positions.size() / 3, points.positions.data(),
+                         points.normals.data(), points.width};
+    Irradiance light{std::vector<float>(points.positions.size()),
+                     std::vector<float>(points.positions.size())};
+    detail::check(
+        [&](sheen_error* error) {
+            return sheen_irradiance(scene.c(), &c, all.data(), all.size(), ear.c(),
+                                    light.direct.data(), light.indirect.data(), error);
+        },
+        &ear);
+    return light;
+}
+
 /// A layer of a frame, which must outlive it: [height][width][channels], the first row on top.
 struct Layer {
     std::string name;

@@ -177,6 +177,26 @@ SHEEN_API sheen_status sheen_render(sheen_session* session, const sheen_option* 
                                     sheen_frame** frame, sheen_error* error);
 SHEEN_API void sheen_frame_free(sheen_frame* frame);
 
+/* ---- Light at points ------------------------------------------------------------------------- */
+
+/** Points of surfaces. */
+typedef struct sheen_points {
+    size_t count;
+    const double* positions; /**< [point][3], in the file's coordinates */
+    const float* normals;    /**< [point][3], any length: the side whose light is asked for */
+    float width; /**< what each stands for: about as far as its neighbours lie. The nearest surface
+                  * within it, along the normal, is the one that is meant */
+} sheen_points;
+
+/** Irradiance, lux, [point][3], about the surface's normal: straight from lights and lamps, and all
+ * other. Each of both may be NULL. It comes from records that lie among the points as they would
+ * among a lightmap's texels. NaN where there is no surface, of which a warning tells. Options:
+ * accuracy (0.4 unless given), bounces, threads. */
+SHEEN_API sheen_status sheen_irradiance(const sheen_scene* scene, const sheen_points* points,
+                                        const sheen_option* options, size_t option_count,
+                                        const sheen_listener* listener, float* direct,
+                                        float* indirect, sheen_error* error);
+
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
 SHEEN_API int sheen_frame_width(const sheen_frame* frame);

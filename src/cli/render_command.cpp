@@ -16,11 +16,13 @@ namespace {
 // Of a time limit: what writing may take, and ending.
 constexpr double kWriteShare = 0.03;
 
-void writeFrame(const RenderOptions& o, FileKind kind, const Frame& frame) {
+void writeFrame(const RenderOptions& o, FileKind kind, const RenderResult& result) {
+    const Frame& frame = result.frame;
     if (kind == FileKind::kPng) {
         writePng(o.output, frame, parseExposure(o.exposure), toneCurve(o));
     } else {
-        writeExr(o.output, frame, o.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
+        writeExr(o.output, frame, o.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic,
+                 notesOf(o, result.stats));
     }
 }
 
@@ -46,7 +48,7 @@ ExitCode runRender(RenderOptions& o) {
     Session session(scene);
     RenderResult result = renderWanted(session, scene, o);
     const Timer write;
-    writeFrame(o, kind, result.frame);
+    writeFrame(o, kind, result);
     result.stats.seconds.write = write.seconds();
     result.stats.seconds.load = load_seconds;
     result.stats.seconds.total = total.seconds();

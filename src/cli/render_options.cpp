@@ -1,9 +1,11 @@
 #include "cli/render_options.h"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <sstream>
 
 #include "core/error.h"
 
@@ -275,6 +277,50 @@ void checkFileOptions(const RenderOptions& o, FileKind kind) {
     }
 }
 
+// Numbers in one form, so that 1 and 1.0 are the same; other text as it is.
+std::string canonical(const std::string& text) {
+    std::string out;
+    std::istringstream parts(text);
+    for (std::string part; std::getline(parts, part, ',');) {
+        double number = 0.0;
+        const char* end = part.data() + part.size();
+        const auto [stop, error] = std::from_chars(part.data(), end, number);
+        out += out.empty() ? "" : ",";
+        out += error == std::errc() && stop == end ? fmt::format("{}", number) : part;
+    }
+    return out;
+}
+
+// Whether the method has it, and it is about the image.
+bool isOfImage(const RenderOptions& o, const CLI::Option* option) {
+    constexpr std::string_view kOthers[] = {"output", "json", "threads", "exposure",
+                                            "tone",   "help", "cache"};
+    const std::vector<std::string>& names = option->get_lnames();
+    if (names.empty() ||
+        std::find(std::begin(kOthers), std::end(kOthers), names[0]) != std::end(kOthers)) {
+        return false;
+    }
+    return std::all_of(o.limited.begin(), o.limited.end(), [&](const LimitedOption& limited) {
+        const auto& methods = limited.methods;
+        return limited.option != option ||
+               std::find(methods.begin(), methods.end(), o.params.method) != methods.end();
+    });
+}
+
+// In the order of --help, whatever the one they came in, those too that have their default.
+std::string settingsOf(const RenderOptions& o) {
+    std::string text;
+    for (const CLI::Option* option : o.app->get_options()) {
+        const bool given = option->count() > 0;
+        const std::string value = given ? option->results().front() : option->get_default_str();
+        if (isOfImage(o, option) && !value.empty()) {
+            text += fmt::format("{}--{}={}", text.empty() ? "" : " ", option->get_lnames()[0],
+                                canonical(value));
+        }
+    }
+    return text;
+}
+
 std::string defaultOutput(const std::string& scene) {
     return std::filesystem::path(scene).stem().string() + ".exr";
 }
@@ -292,6 +338,7 @@ bool usesCache(Method method) {
 ToneCurve toneCurve(const RenderOptions& o) { return kTones.at(o.tone); }
 
 void addRenderOptions(CLI::App& app, RenderOptions& o) {
+    o.app = &app;
     addImageOptions(app, o);
     addMethodOptions(app, o);
     addSamplingOptions(app, o);
@@ -324,6 +371,7 @@ void understandFrame(RenderOptions& o) {
     o.params.caustics = causticsOf(o);
     o.load.environment.no_sky =
         usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
+    o.settings = settingsOf(o);
 }
 
 FileKind understand(RenderOptions& o) {

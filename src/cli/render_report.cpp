@@ -1,6 +1,7 @@
 #include "cli/render_report.h"
 
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -121,6 +122,30 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
         json["spp"] = stats.spp;
     }
     return json;
+}
+
+ExrNotes notesOf(const RenderOptions& o, const RenderStats& stats) {
+    ExrNotes notes{.texts = {{"software", "sheen " SHEEN_VERSION},
+                             {"sheen.scene", std::filesystem::path(o.scene).filename().string()},
+                             {"sheen.method", o.method},
+                             {"sheen.options", o.settings}},
+                   .numbers = {{"whiteLuminance", 1.0f}}};  // of (1, 1, 1), nits
+    const auto add = [&](const char* name, double value) {
+        if (std::isfinite(value)) {
+            notes.numbers[name] = static_cast<float>(value);
+        }
+    };
+    add("sheen.estimated_rel_rmse", stats.estimated_rel_rmse);
+    add("sheen.estimate_low", stats.estimate_low);
+    add("sheen.estimate_high", stats.estimate_high);
+    if (usesCache(o.params.method)) {
+        add("sheen.accuracy", stats.accuracy);
+        add("sheen.records", stats.records);
+    }
+    if (tracesPaths(o.params.method)) {
+        add("sheen.spp", stats.spp);
+    }
+    return notes;
 }
 
 void printStats(const RenderOptions& o, const RenderStats& stats) {

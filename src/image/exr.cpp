@@ -2,11 +2,13 @@
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfCompression.h>
+#include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTestFile.h>
 #include <OpenEXR/ImfThreading.h>
 
@@ -144,7 +146,7 @@ void addLayers(Channels& channels, const Frame& frame, ExrLayers wanted) {
         if (wanted != ExrLayers::kAll && !layer.basic) {
             continue;
         }
-        const std::string prefix = std::string(layer.name) + ".";
+        const std::string prefix = std::string(layer.in_files) + ".";
         switch (layer.kind) {
             case FrameLayer::Kind::kColor:
                 channels.addColor(prefix, kRgb, *layer.triples, !layer.exact);
@@ -156,7 +158,7 @@ void addLayers(Channels& channels, const Frame& frame, ExrLayers wanted) {
                 channels.addScalar(prefix + "Y", *layer.numbers, !layer.exact);
                 break;
             case FrameLayer::Kind::kDepth:
-                channels.addScalar(prefix + "Z", *layer.numbers, !layer.exact);
+                channels.addScalar(layer.in_files, *layer.numbers, !layer.exact);
                 break;
         }
     }
@@ -288,7 +290,8 @@ void checkIsExr(const std::string& path) {
 
 }  // namespace
 
-void writeExr(const std::string& path, const Frame& frame, ExrLayers layers) {
+void writeExr(const std::string& path, const Frame& frame, ExrLayers layers,
+              const ExrNotes& notes) {
     SHEEN_CHECK(!frame.primitive.empty());
     const bool exact = !frame.indirect_variance.empty() || !frame.indirect_diffuse_variance.empty();
     const Image<vec3> beauty_image = beauty(frame);
@@ -300,6 +303,12 @@ void writeExr(const std::string& path, const Frame& frame, ExrLayers layers) {
     AtomicFile file(path);
     Imf::Header header(frame.width(), frame.height());
     header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, text] : notes.texts) {
+        header.insert(name, Imf::StringAttribute(text));
+    }
+    for (const auto& [name, number] : notes.numbers) {
+        header.insert(name, Imf::FloatAttribute(number));
+    }
     Imf::setGlobalThreadCount(threadCount());
     try {
         channels.write(file, header);

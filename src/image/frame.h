@@ -52,10 +52,11 @@ Image<vec3> beauty(const Frame& frame);
 
 /// A layer that a frame has, of one kind of pixels.
 struct FrameLayer {
-    /// What its values are: of a colour R, G, B; of a place or direction X, Y, Z; one number,
-    /// called Y or, of a depth, Z.
+    /// What its values are, and so what its channels are called: R, G, B; X, Y, Z; Y; or, of a
+    /// depth, Z without a layer.
     enum class Kind { kColor, kVector, kNumber, kDepth };
-    const char* name;  ///< in files, docs/conventions.md
+    const char* name;
+    const char* in_files;  ///< as other programs call it: docs/conventions.md
     Kind kind;
     bool exact;  ///< halves would not do
     bool basic;  ///< of every file, not only where all layers are asked for

@@ -19,6 +19,7 @@
 #include "image/exr.h"
 #include "image/png.h"
 #include "library/arrays.h"
+#include "library/points.h"
 #include "library/requests.h"
 #include "scene/defaults.h"
 #include "scene/scene_bytes.h"
@@ -27,22 +28,29 @@ struct sheen_scene {
     std::string name;
     bool from_file = false;
     std::shared_ptr<const sheen::Scene> scene;
+    std::vector<sheen::library::NamedValue> options;  // that it was loaded with
 };
 
 struct sheen_session {
     std::string name;
     bool from_file;
     std::shared_ptr<const sheen::Scene> scene;
+    std::vector<sheen::library::NamedValue> scene_options;
     sheen::Session session;
     std::mutex mutex;  // of one frame at a time
 
     explicit sheen_session(const sheen_scene& of)
-        : name(of.name), from_file(of.from_file), scene(of.scene), session(*scene) {}
+        : name(of.name),
+          from_file(of.from_file),
+          scene(of.scene),
+          scene_options(of.options),
+          session(*scene) {}
 };
 
 struct sheen_frame {
     sheen::Frame frame;
     bool all_layers = false;
+    sheen::ExrNotes notes;
     sheen::Image<sheen::vec3> beauty;
     sheen::Image<float> alpha;
     std::vector<sheen_layer> layers;  // which point into the images above
@@ -148,13 +156,24 @@ sheen_status makeScene(const std::string& name, bool from_file, const OptionList
         *result = nullptr;
         const Listener listener = listenerOf(c_listener);
         const ListenerScope scope(listener);
-        const auto request = requestOf(Call::kScene, spanOf(options.options, options.count));
+        const auto given = spanOf(options.options, options.count);
+        const auto request = requestOf(Call::kScene, given);
         auto scene = std::make_shared<const Scene>(load(request->options.load));
         for (const std::string& warning : scene->warnings) {
             warn(warning);
         }
-        *result = new sheen_scene{name, from_file, std::move(scene)};
+        *result = new sheen_scene{name, from_file, std::move(scene), namedValues(given)};
     });
+}
+
+// By at most so many threads; 0: all that there are.
+template <class Work>
+void withThreads(int threads, const Work& work) {
+    if (threads > 0) {
+        tbb::task_arena(threads).execute(work);
+    } else {
+        work();
+    }
 }
 
 // A camera that the request moves or turns, of those of the scene.
@@ -199,16 +218,13 @@ std::unique_ptr<sheen_frame> renderedFrame(sheen_session& session, cli::RenderOp
         }
         result = cli::renderWanted(own ? *own : session.session, scene, options);
     };
-    if (options.threads > 0) {
-        tbb::task_arena(options.threads).execute(render);
-    } else {
-        render();
-    }
+    withThreads(options.threads, render);
     result.stats.seconds.total = timer.seconds();
     cli::warnOf(options, scene, result, options.params.time_limit);
     auto frame = std::make_unique<sheen_frame>();
     frame->frame = std::move(result.frame);
     frame->all_layers = options.params.all_layers;
+    frame->notes = cli::notesOf(options, result.stats);
     addLayers(*frame);
     frame->figures = cli::statsJson(options, result.stats);
     frame->figures.erase("output");
@@ -310,11 +326,27 @@ sheen_status sheen_render(sheen_session* session, const sheen_option* options, s
         checkGiven(frame, "frame");
         *frame = nullptr;
         checkGiven(session, "session");
-        const auto request = requestOf(Call::kRender, spanOf(options, count));
+        const auto request =
+            requestOf(Call::kRender, spanOf(options, count), session->scene_options);
         const Listener listener = listenerOf(c_listener);
         const ListenerScope scope(listener);
         const std::lock_guard<std::mutex> lock(session->mutex);
         *frame = renderedFrame(*session, request->options).release();
+    });
+}
+
+sheen_status sheen_irradiance(const sheen_scene* scene, const sheen_points* points,
+                              const sheen_option* options, size_t count,
+                              const sheen_listener* c_listener, float* direct, float* indirect,
+                              sheen_error* error) {
+    return guarded(error, [&] {
+        checkGiven(scene, "scene");
+        checkGiven(points, "points");
+        const auto request = requestOf(Call::kPoints, spanOf(options, count));
+        const Listener listener = listenerOf(c_listener);
+        const ListenerScope scope(listener);
+        withThreads(request->options.threads,
+                    [&] { askPoints(*scene->scene, *points, *request, direct, indirect); });
     });
 }
 
@@ -383,7 +415,8 @@ sheen_status sheen_frame_write(const sheen_frame* frame, const char* path,
         checkGiven(path, "path");
         const auto request = requestOf(Call::kWrite, spanOf(options, count));
         if (cli::imageKind(path) == cli::FileKind::kExr) {
-            writeExr(path, frame->frame, frame->all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
+            writeExr(path, frame->frame, frame->all_layers ? ExrLayers::kAll : ExrLayers::kBasic,
+                     frame->notes);
         } else {
             writePng(path, frame->frame, cli::parseExposure(request->options.exposure),
                      cli::toneCurve(request->options));

@@ -12,6 +12,7 @@ constexpr std::array<std::string_view, 5> kOfScene = {
     "variant", "environment", "environment-rotation", "environment-strength", "transparent"};
 constexpr std::array<std::string_view, 4> kOfView = {"camera", "camera-at", "look-at", "fov"};
 constexpr std::array<std::string_view, 2> kOfWriting = {"exposure", "tone"};
+constexpr std::array<std::string_view, 3> kOfPoints = {"accuracy", "bounces", "threads"};
 constexpr std::array<std::string_view, 3> kOfProgram = {"help", "output", "json"};
 
 template <size_t N>
@@ -27,6 +28,8 @@ bool belongs(Call call, std::string_view name) {
             return !isIn(kOfScene, name) && !isIn(kOfWriting, name) && !isIn(kOfProgram, name);
         case Call::kWrite:
             return isIn(kOfWriting, name);
+        case Call::kPoints:
+            return isIn(kOfPoints, name);
     }
     throw std::logic_error("unknown call");
 }
@@ -92,10 +95,24 @@ std::vector<std::string> argumentsOf(Call call, std::span<const sheen_option> op
 
 }  // namespace
 
-std::unique_ptr<Request> requestOf(Call call, std::span<const sheen_option> options) {
+std::vector<NamedValue> namedValues(std::span<const sheen_option> options) {
+    std::vector<NamedValue> all;
+    for (const sheen_option& option : options) {
+        all.push_back({option.name, option.value});
+    }
+    return all;
+}
+
+std::unique_ptr<Request> requestOf(Call call, std::span<const sheen_option> options,
+                                   std::span<const NamedValue> of_scene) {
     auto request = std::make_unique<Request>();
     cli::addRenderOptions(request->app, request->options);
     std::vector<std::string> arguments = argumentsOf(call, options, request->app);
+    for (const NamedValue& option : of_scene) {
+        if (isIn(kOfScene, option.name) && !option.value.empty()) {
+            arguments.push_back(fmt::format("--{}={}", option.name, option.value));
+        }
+    }
     arguments.push_back("scene");                      // which the program must be told
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
     try {

@@ -11,7 +11,7 @@
 namespace sheen::library {
 
 /// What a call is about, and so which options it has.
-enum class Call { kScene, kRender, kWrite };
+enum class Call { kScene, kRender, kWrite, kPoints };
 
 /// Options of a call, parsed. `app` is what they point into.
 struct Request {
@@ -19,8 +19,15 @@ struct Request {
     cli::RenderOptions options;
 };
 
-/// Usage error for a name that the call does not have, and for values that cannot be or do not go
-/// together.
-std::unique_ptr<Request> requestOf(Call call, std::span<const sheen_option> options);
+/// An option that is kept.
+struct NamedValue {
+    std::string name, value;
+};
+std::vector<NamedValue> namedValues(std::span<const sheen_option> options);
+
+/// `of_scene`: what the scene was loaded with, which the files of its frames tell. Usage error for
+/// a name that the call does not have, and for values that cannot be or do not go together.
+std::unique_ptr<Request> requestOf(Call call, std::span<const sheen_option> options,
+                                   std::span<const NamedValue> of_scene = {});
 
 }  // namespace sheen::library
