@@ -14,6 +14,9 @@ const std::vector<NamedScene>& allScenes() {
         {"lamp_room.glb", &lampRoom},
         {"furnace.glb", &furnace},
         {"sphere_room.glb", &sphereRoom},
+        {"kite.glb", &kite},
+        {"doors.glb", &doors},
+        {"orbit.glb", &orbit},
     };
     return scenes;
 }

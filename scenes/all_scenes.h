@@ -18,6 +18,9 @@ Model gallery();
 Model lampRoom();
 Model furnace();
 Model sphereRoom();
+Model kite();
+Model doors();
+Model orbit();
 
 struct NamedScene {
     std::string file_name;

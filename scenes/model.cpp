@@ -15,6 +15,7 @@ constexpr double kPositionSteps = 65536.0;  // a metre
 constexpr double kNormalSteps = 4096.0;
 constexpr double kUvSteps = 4096.0;
 constexpr double kNumberSteps = 1e6;
+constexpr double kKeySteps = 1048576.0;  // of times, places and rotations that move
 
 constexpr int kFloat = 5126;
 constexpr int kUnsignedShort = 5123;
@@ -34,14 +35,6 @@ Json jsonOf(const Vector& v) {
         array.push_back(rounded(v[c]));
     }
     return array;
-}
-
-// The rotation that turns -z toward `direction` and keeps +y up.
-dquat lookRotation(const dvec3& direction) {
-    const dvec3 back = -glm::normalize(direction);
-    const dvec3 helper = std::abs(back.y) > 0.999 ? dvec3(0, 0, 1) : dvec3(0, 1, 0);
-    const dvec3 right = glm::normalize(glm::cross(helper, back));
-    return glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back));
 }
 
 void setPose(Json& node, const dvec3& translation, const dquat& rotation) {
@@ -65,6 +58,7 @@ class Encoder {
         for (const Object& object : model_.objects) {
             addObject(object);
         }
+        addMotions();
         Json roots = Json::array();
         for (size_t i = 0; i < json_["nodes"].size(); ++i) {
             roots.push_back(i);
@@ -124,6 +118,52 @@ class Encoder {
         }
         json_["accessors"].push_back(accessor);
         return static_cast<int>(json_["accessors"].size()) - 1;
+    }
+
+    // Of an animation's samplers: vectors as rounded numbers.
+    template <class Vector>
+    int addKeys(const std::vector<Vector>& values, const char* type) {
+        const int accessor = addVertices(values, kKeySteps, type, values[0].length() == 1);
+        json_["bufferViews"].back().erase("target");
+        return accessor;
+    }
+
+    size_t nodeCalled(const std::string& name) const {
+        for (size_t i = 0; i < json_["nodes"].size(); ++i) {
+            if (json_["nodes"][i]["name"] == name) {
+                return i;
+            }
+        }
+        SHEEN_CHECK(false);
+        return 0;
+    }
+
+    void addMotions() {
+        Json samplers = Json::array(), channels = Json::array();
+        for (const Motion& motion : model_.motions) {
+            std::vector<glm::dvec1> times;
+            std::vector<dvec3> positions;
+            std::vector<glm::dvec4> rotations;
+            for (const Motion::Key& key : motion.keys) {
+                times.emplace_back(key.seconds);
+                positions.push_back(key.position);
+                const dquat& q = key.rotation;
+                rotations.emplace_back(q.x, q.y, q.z, q.w);
+            }
+            const int input = addKeys(times, "SCALAR");
+            const auto add = [&](const char* path, int output) {
+                channels.push_back(
+                    {{"sampler", samplers.size()},
+                     {"target", {{"node", nodeCalled(motion.name)}, {"path", path}}}});
+                samplers.push_back({{"input", input}, {"output", output}});
+            };
+            add("translation", addKeys(positions, "VEC3"));
+            add("rotation", addKeys(rotations, "VEC4"));
+        }
+        if (!channels.empty()) {
+            json_["animations"] =
+                Json::array({{{"name", "motion"}, {"channels", channels}, {"samplers", samplers}}});
+        }
     }
 
     int addIndices(const Mesh& mesh) {
@@ -267,6 +307,13 @@ class Encoder {
 };
 
 }  // namespace
+
+dquat lookRotation(const dvec3& direction) {
+    const dvec3 back = -glm::normalize(direction);
+    const dvec3 helper = std::abs(back.y) > 0.999 ? dvec3(0, 0, 1) : dvec3(0, 1, 0);
+    const dvec3 right = glm::normalize(glm::cross(helper, back));
+    return glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back));
+}
 
 double roughnessFromAlpha(double alpha) { return std::sqrt(alpha); }
 

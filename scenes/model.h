@@ -70,12 +70,28 @@ struct CameraSpec {
     double y_fov = 0.7;  ///< radians
 };
 
+/// How a camera, a light or an object that is shown once moves: places at times, in between by
+/// straight lines and by turning about one axis.
+struct Motion {
+    std::string name;  ///< of what moves
+    struct Key {
+        double seconds;
+        dvec3 position;
+        dquat rotation;
+    };
+    std::vector<Key> keys = {};
+};
+
+/// The rotation of a camera or light that looks in a direction, upright.
+dquat lookRotation(const dvec3& direction);
+
 struct Model {
     std::vector<Object> objects;
     std::vector<MaterialSpec> materials;
     std::vector<std::vector<uint8_t>> textures;  ///< PNG files
     std::vector<LightSpec> lights;
     std::vector<CameraSpec> cameras;
+    std::vector<Motion> motions;  ///< of one animation
 
     /// Adds a material and returns its index.
     int add(MaterialSpec material);

@@ -49,6 +49,36 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
     EXPECT_GT(json["seconds"]["total"].get<double>(), 0.0);
 }
 
+TEST_F(CliTest, renderReusesAFileOfRecordsAndRefusesAStaleOne) {
+    const auto reused = [this](const std::string& options) {
+        const Outcome run = call(
+            "render scene.gltf --size 64x48 --bounces 1 -o a.exr --json - "
+            "--cache a.records " +
+            options);
+        EXPECT_EQ(run.code, 0) << run.err;
+        const Json json = Json::parse(run.out);
+        return std::pair(json["records_reused"].get<int>(), json["records"].get<int>());
+    };
+    const auto [none, gathered] = reused("");
+    EXPECT_EQ(none, 0);
+    EXPECT_GT(gathered, 0);
+    EXPECT_EQ(reused(""), std::pair(gathered, gathered));
+    const auto [some, all] = reused("--camera-at 0.1,1,4");
+    EXPECT_GT(some, 0);
+    EXPECT_GE(all, some);
+
+    const Outcome other = call("render scene.gltf --size 64x48 --bounces 2 --cache a.records");
+    EXPECT_EQ(other.code, 3);
+    EXPECT_NE(other.err.find("records of other options"), std::string::npos) << other.err;
+    std::string text = textOf(file("scene.gltf"));
+    text.replace(text.find("\"roughnessFactor\": 0.6"), 22, "\"roughnessFactor\": 0.7");
+    std::ofstream(file("scene.gltf")) << text;
+    const Outcome stale = call("render scene.gltf --size 64x48 --bounces 1 --cache a.records");
+    EXPECT_EQ(stale.code, 3);
+    EXPECT_NE(stale.err.find("before it changed"), std::string::npos) << stale.err;
+    EXPECT_EQ(call("render scene.gltf --method reference --cache b.records").code, 2);
+}
+
 TEST_F(CliTest, edgesAreSmoothByDefaultWhereTheMethodHasThat) {
     const auto samples = [this](const std::string& options) {
         const Outcome run = call("render scene.gltf --size 16x12 -o a.exr --json - " + options);

@@ -1,6 +1,7 @@
 // What sessions keep between frames, and frames between passes.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "core/error.h"
@@ -53,6 +54,67 @@ TEST(Session, AFrameThatFailsLeavesItUsable) {
     EXPECT_THROW(session.render(params), Error);
     params.camera.clear();
     expectSame(session.render(params).frame.indirect, renderFrame(scene, params).frame.indirect);
+}
+
+// ---- Records that outlive frames ----------------------------------------------------------------
+
+double relativeRms(const Image<vec3>& a, const Image<vec3>& b) {
+    double squares = 0.0, sum = 0.0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) {
+        const double d = luminance(a.pixels[i]) - luminance(b.pixels[i]);
+        squares += d * d;
+        sum += luminance(b.pixels[i]);
+    }
+    const auto n = static_cast<double>(a.pixels.size());
+    return std::sqrt(squares / n) / (sum / n);
+}
+
+TEST(KeptRecordsOfASession, TheSameViewGathersNothingAndHasTheSameBits) {
+    const Scene scene = glossyRoom();
+    for (const int bounces : {1, kAllBounces}) {
+        Session session(scene);
+        session.keepRecords();
+        RenderParams params = smallRender(kSize, kSize);
+        params.bounces = bounces;
+        const RenderResult first = session.render(params);
+        EXPECT_EQ(first.stats.records_reused, 0);
+        const RenderResult again = session.render(params);
+        EXPECT_EQ(again.stats.records, first.stats.records);
+        EXPECT_EQ(again.stats.records_reused, first.stats.records);
+        expectSame(again.frame.indirect, first.frame.indirect);
+        // The first frame of a session that keeps records is that of one that does not.
+        expectSame(first.frame.indirect, renderFrame(scene, params).frame.indirect);
+    }
+}
+
+TEST(KeptRecordsOfASession, AnotherViewGathersWhatIsMissingAlone) {
+    Scene scene = glossyRoom();
+    scene.cameras.push_back(lookAt(vec3(0.05f, 0.1f, 0.93f), vec3(-0.1f, -0.5f, -0.3f)));
+    Session session(scene);
+    session.keepRecords();
+    RenderParams params = smallRender(kSize, kSize);
+    session.render(params);
+    params.camera = std::string("1");
+    const RenderResult reused = session.render(params);
+    const RenderResult alone = renderFrame(scene, params);
+    const int gathered = reused.stats.records - reused.stats.records_reused;
+    EXPECT_LT(gathered, alone.stats.records / 2);
+    EXPECT_GT(gathered, 0);
+    EXPECT_EQ(reused.stats.pixels_uncovered, 0);
+    EXPECT_LT(relativeRms(reused.frame.indirect, alone.frame.indirect), 0.05);
+    EXPECT_GE(static_cast<int>(session.records().size()), reused.stats.records);
+}
+
+TEST(KeptRecordsOfASession, OtherOptionsBeginAnew) {
+    const Scene scene = glossyRoom();
+    Session session(scene);
+    session.keepRecords();
+    RenderParams params = smallRender(kSize, kSize);
+    session.render(params);
+    params.method = Method::kIrradiance;
+    const RenderResult other = session.render(params);
+    EXPECT_EQ(other.stats.records_reused, 0);
+    expectSame(other.frame.indirect, renderFrame(scene, params).frame.indirect);
 }
 
 TEST(TimeLimit, EndsWithAWholeImage) {

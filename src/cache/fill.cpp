@@ -26,12 +26,35 @@ RecordSite siteOf(const Scene& scene, const PlacedRecords& placed, const SiteCho
     return site;
 }
 
+// Gathers at these sites, adds what was found to the field and places it.
+void add(const Scene& scene, const std::vector<SiteChoice>& choices, PlacedRecords& placed,
+         Gatherer& gatherer, RecordField& field) {
+    SHEEN_CHECK(&placed.field() == &field);
+    std::vector<RecordSite> sites;
+    for (const SiteChoice& choice : choices) {
+        sites.push_back(siteOf(scene, placed, choice));
+    }
+    std::vector<GatheredRecord> gathered = gatherer.gather(sites);
+    SHEEN_CHECK_EQ(gathered.size(), sites.size());
+    for (size_t k = 0; k < choices.size(); ++k) {
+        field.records.push_back(std::move(gathered[k]));
+        field.pixels.push_back(static_cast<int>(choices[k].receiver));
+    }
+    placed.placeNew();
+}
+
 }  // namespace
+
+bool fillOnce(const Scene& scene, PlacedRecords& placed, SiteChooser& chooser, Gatherer& gatherer,
+              RecordField& field) {
+    const std::vector<SiteChoice> choices = chooser.next(placed);
+    add(scene, choices, placed, gatherer, field);
+    return !choices.empty();
+}
 
 void fill(const Scene& scene, PlacedRecords& placed, SiteChooser& chooser, Gatherer& gatherer,
           RecordField& field, double seconds) {
     const Timer timer;
-    SHEEN_CHECK(&placed.field() == &field);
     while (true) {
         const std::vector<SiteChoice> choices = chooser.next(placed);
         if (choices.empty()) {
@@ -40,17 +63,7 @@ void fill(const Scene& scene, PlacedRecords& placed, SiteChooser& chooser, Gathe
         if (timer.seconds() > seconds) {
             throw OutOfTime{};
         }
-        std::vector<RecordSite> sites;
-        for (const SiteChoice& choice : choices) {
-            sites.push_back(siteOf(scene, placed, choice));
-        }
-        std::vector<GatheredRecord> gathered = gatherer.gather(sites);
-        SHEEN_CHECK_EQ(gathered.size(), sites.size());
-        for (size_t k = 0; k < choices.size(); ++k) {
-            field.records.push_back(std::move(gathered[k]));
-            field.pixels.push_back(static_cast<int>(choices[k].receiver));
-        }
-        placed.placeNew();
+        add(scene, choices, placed, gatherer, field);
     }
 }
 

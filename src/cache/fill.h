@@ -31,11 +31,15 @@ class SiteChooser {
     virtual std::vector<SiteChoice> next(const PlacedRecords& placed) = 0;
 };
 
+/// Gathers the sites that `chooser` names next, adds what was found to the field, the one that
+/// `placed` places, and places it. Whether there were any.
+bool fillOnce(const Scene& scene, PlacedRecords& placed, SiteChooser& chooser, Gatherer& gatherer,
+              RecordField& field);
+
 /// Thrown where filling takes too long.
 struct OutOfTime {};
 
-/// Gathers where `chooser` says, adds what was found to the field, the one that `placed` places,
-/// and places it, until nothing is missed. OutOfTime where sites are left to gather after so many
+/// fillOnce() until nothing is missed. OutOfTime where sites are left to gather after so many
 /// seconds; what was gathered stays in the field.
 void fill(const Scene& scene, PlacedRecords& placed, SiteChooser& chooser, Gatherer& gatherer,
           RecordField& field, double seconds = kInfinity);

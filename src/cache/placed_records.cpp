@@ -80,7 +80,9 @@ void PlacedRecords::add(size_t index) {
     clampNeighbours(index);
     tree_.insert(record.position, record.radius);
     coverage_.add(record);
-    coverage_.giveUpIfMissed(i);
+    if (index >= field_.reused) {  // gathered for this very receiver
+        coverage_.giveUpIfMissed(i);
+    }
 }
 
 // What the lobe of the record's own pixel sees more than the record says by its coefficients, or,

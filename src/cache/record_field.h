@@ -1,8 +1,9 @@
-// Records as they were gathered.
+// Records as they were gathered: of a view, and over many views.
 #pragma once
 
 #include <vector>
 
+#include "cache/placement_params.h"
 #include "gather/gatherer.h"
 
 namespace sheen {
@@ -12,6 +13,29 @@ namespace sheen {
 struct RecordField {
     std::vector<GatheredRecord> records;  ///< as gathered
     std::vector<int> pixels;              ///< that they lie at
+    size_t reused = 0;    ///< so many, the first, were gathered for other views, near the pixels
+    int gather_size = 0;  ///< that they were gathered with, or more
+};
+
+/// Records that outlive views. What a record found does not depend on who looks, except what its
+/// own lobe sees beyond its coefficients: that counts only as long as it is looked at from where it
+/// was gathered.
+class KeptRecords {
+  public:
+    size_t size() const { return records_.size(); }
+    const std::vector<GatheredRecord>& records() const { return records_; }
+    int gatherSize() const { return gather_size_; }
+
+    /// Hands over those that lie at a receiver and are of its order, in the order that they were
+    /// kept in; at most one a receiver, the first: closer together they would say the same. Others
+    /// stay, and so do those that will have the least reach away from the receiver itself.
+    RecordField take(const Receivers& receivers, const PlacementParams& params);
+    /// Keeps a view's.
+    void put(RecordField field);
+
+  private:
+    std::vector<GatheredRecord> records_;
+    int gather_size_ = 0;
 };
 
 }  // namespace sheen

@@ -1,13 +1,17 @@
 // sheen compare: how far an image is from the reference, and where.
+#include <algorithm>
+#include <iterator>
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/frame_names.h"
 #include "cli/options.h"
 #include "cli/output.h"
 #include "core/memory.h"
 #include "image/exr.h"
 #include "image/png.h"
 #include "metrics/compare.h"
+#include "metrics/flicker.h"
 
 namespace sheen::cli {
 namespace {
@@ -18,6 +22,7 @@ struct CompareOptions {
     std::string layer = "indirect";
     std::string json;
     std::string heatmap;
+    bool sequence = false;
 };
 
 bool hasCaustics(const LoadedExr& exr) { return exr.colors.count("caustic") > 0; }
@@ -121,51 +126,137 @@ void printComparison(const Comparison& c) {
     fmt::print("excluded    {} pixels; compared {}\n", c.excluded, c.compared);
 }
 
+// Two files, and what of them is compared.
+struct Pair {
+    LoadedExr test, reference;
+    Image<vec3> of_test, of_reference, variance;
+
+    Pair(const std::string& test_path, const std::string& reference_path, const std::string& layer)
+        : test(readExr(test_path)), reference(readExr(reference_path)) {
+        constexpr uint64_t kBytesPerPixel = 128;  // sums, errors in order, the heat map, its file
+        checkMemory({.bytes = kBytesPerPixel * static_cast<uint64_t>(reference.width) *
+                              static_cast<uint64_t>(reference.height)},
+                    fmt::format("comparing with {}", reference_path), "use smaller images");
+        checkAlike(test, reference, layer);
+        of_test = layerOf(test, layer);
+        of_reference = layerOf(reference, layer);
+        variance = varianceOf(reference, layer);
+    }
+    CompareInput input() const {
+        return {.test = of_test,
+                .reference = of_reference,
+                .reference_variance = variance.empty() ? nullptr : &variance,
+                .test_primitive = test.primitive.empty() ? nullptr : &test.primitive,
+                .reference_primitive = reference.primitive.empty() ? nullptr : &reference.primitive,
+                .test_name = test.path,
+                .reference_name = reference.path};
+    }
+};
+
 void checkOptions(const CompareOptions& o) {
     if (!o.heatmap.empty() && imageKind(o.heatmap) != FileKind::kPng) {
         throwUsage("--heatmap {}: must be a .png file", o.heatmap);
     }
 }
 
-ExitCode runCompare(const CompareOptions& o) {
-    checkOptions(o);
-    checkOutputs({{"--heatmap", o.heatmap}, {"--json", o.json}}, {o.test, o.reference});
-    const LoadedExr test = readExr(o.test);
-    const LoadedExr reference = readExr(o.reference);
-    constexpr uint64_t kBytesPerPixel = 128;  // sums, errors in order, the heat map and its file
-    checkMemory({.bytes = kBytesPerPixel * static_cast<uint64_t>(reference.width) *
-                          static_cast<uint64_t>(reference.height)},
-                fmt::format("comparing with {}", o.reference), "use smaller images");
-    checkAlike(test, reference, o.layer);
-    const Image<vec3> of_test = layerOf(test, o.layer);
-    const Image<vec3> of_reference = layerOf(reference, o.layer);
-    const Image<vec3> variance = varianceOf(reference, o.layer);
-    const CompareInput input = {
-        .test = of_test,
-        .reference = of_reference,
-        .reference_variance = variance.empty() ? nullptr : &variance,
-        .test_primitive = test.primitive.empty() ? nullptr : &test.primitive,
-        .reference_primitive = reference.primitive.empty() ? nullptr : &reference.primitive,
-        .test_name = o.test,
-        .reference_name = o.reference};
-    const Comparison comparison = compareImages(input);
-    if (!o.heatmap.empty()) {
-        writePng(o.heatmap, bytesFromDisplay(heatmap(input)));
-    }
-    writeJson(o.json, comparisonJson(comparison));
-    if (wantsText(o.json)) {
-        printComparison(comparison);
-    }
+// Input error where it says more of the reference than of the image.
+void checkJudged(const Comparison& comparison, const std::string& test,
+                 const std::string& reference) {
     if (comparison.compared == 0) {
-        throwInput("{}: not judged: no pixel shows the same triangle as in {}", o.test,
-                   o.reference);
+        throwInput("{}: not judged: no pixel shows the same triangle as in {}", test, reference);
     }
     if (!comparison.judged) {
         throwInput(
             "{}: not judged: {:.0f}% of the difference is the reference's own noise; render {} "
             "with more --spp",
-            o.test, 100.0 * comparison.noise_share, o.reference);
+            test, 100.0 * comparison.noise_share, reference);
     }
+}
+
+// Numbers of frames that both have.
+std::vector<int> framesOfBoth(const CompareOptions& o, const FrameNames& tests,
+                              const FrameNames& references) {
+    const std::vector<int> of_test = framesThere(tests);
+    const std::vector<int> of_reference = framesThere(references);
+    std::vector<int> both;
+    std::set_intersection(of_test.begin(), of_test.end(), of_reference.begin(), of_reference.end(),
+                          std::back_inserter(both));
+    if (both.empty()) {
+        throwInput("{}: no frame is there that {} has as well; {} and {} are there", o.test,
+                   o.reference, of_test.size(), of_reference.size());
+    }
+    return both;
+}
+
+void printSequence(const std::vector<int>& frames, const std::vector<Comparison>& comparisons,
+                   const std::optional<Flicker>& flicker) {
+    for (size_t i = 0; i < frames.size(); ++i) {
+        const Comparison& c = comparisons[i];
+        fmt::print("frame {:4}  rel_rmse {:.3f}% (bias {:+.3f}%), tile_max {:.3f}%\n", frames[i],
+                   100.0 * c.rel_rmse, 100.0 * c.bias, 100.0 * c.tile_max);
+    }
+    if (flicker) {
+        fmt::print("flicker     {:.3f}% over {} pairs of frames", 100.0 * flicker->value,
+                   flicker->pairs);
+        if (flicker->resolution > 0.0) {
+            fmt::print("; the reference's noise hides less than {:.3f}%",
+                       100.0 * flicker->resolution);
+        }
+        fmt::print("\n");
+    } else {
+        fmt::print("flicker     none: no two frames that both have are neighbours\n");
+    }
+}
+
+ExitCode runSequence(const CompareOptions& o) {
+    const FrameNames tests = parseFrameNames("IMAGE", o.test);
+    const FrameNames references = parseFrameNames("REFERENCE", o.reference);
+    checkOutputs({{"--json", o.json}}, {});
+    const std::vector<int> frames = framesOfBoth(o, tests, references);
+    std::vector<Comparison> comparisons;
+    FlickerMeter meter;
+    Json list = Json::array();
+    for (const int frame : frames) {
+        const Pair pair(tests(frame), references(frame), o.layer);
+        comparisons.push_back(compareImages(pair.input()));
+        meter.add(frame, pair.input());
+        list.push_back({{"frame", frame}});
+        list.back().update(comparisonJson(comparisons.back()));
+    }
+    const std::optional<Flicker> flicker = meter.result();
+    Json json = {{"flicker", nullptr}, {"frames", list}};
+    if (flicker) {
+        json["flicker"] = {{"value", flicker->value},
+                           {"resolution", flicker->resolution},
+                           {"noise_share", flicker->noise_share},
+                           {"pairs", flicker->pairs}};
+    }
+    writeJson(o.json, json);
+    if (wantsText(o.json)) {
+        printSequence(frames, comparisons, flicker);
+    }
+    for (size_t i = 0; i < frames.size(); ++i) {
+        checkJudged(comparisons[i], tests(frames[i]), references(frames[i]));
+    }
+    return ExitCode::kDone;
+}
+
+ExitCode runCompare(const CompareOptions& o) {
+    checkOptions(o);
+    if (o.sequence) {
+        return runSequence(o);
+    }
+    checkOutputs({{"--heatmap", o.heatmap}, {"--json", o.json}}, {o.test, o.reference});
+    const Pair pair(o.test, o.reference, o.layer);
+    const Comparison comparison = compareImages(pair.input());
+    if (!o.heatmap.empty()) {
+        writePng(o.heatmap, bytesFromDisplay(heatmap(pair.input())));
+    }
+    writeJson(o.json, comparisonJson(comparison));
+    if (wantsText(o.json)) {
+        printComparison(comparison);
+    }
+    checkJudged(comparison, o.test, o.reference);
     return ExitCode::kDone;
 }
 
@@ -192,10 +283,16 @@ Command addCompare(CLI::App& program) {
     app->add_option("--json", options->json, "File for all figures as JSON; -: standard output")
         ->type_name("FILE")
         ->check(fileName());
-    app->add_option("--heatmap", options->heatmap,
-                    "PNG file for the relative error of each pixel, 0.1% (violet) to 100% (yellow)")
-        ->type_name("FILE")
-        ->check(fileName());
+    CLI::Option* heatmap =
+        app->add_option(
+               "--heatmap", options->heatmap,
+               "PNG file for the relative error of each pixel, 0.1% (violet) to 100% (yellow)")
+            ->type_name("FILE")
+            ->check(fileName());
+    app->add_flag("--sequence", options->sequence,
+                  "IMAGE and REFERENCE count frames, as in a/frame_%04d.exr: the error of each "
+                  "frame that both have, and how much it changes from frame to frame (flicker)")
+        ->excludes(heatmap);
     return {app, [options] { return runCompare(*options); }};
 }
 

@@ -190,4 +190,37 @@ FileKind imageKind(const std::string& path) {
     throwUsage("{}: the name of an image must end in .exr or .png", path);
 }
 
+void addViewpointOptions(CLI::App& app, std::string& camera, std::string& camera_at,
+                         std::string& look_at, double& fov) {
+    app.add_option("--camera", camera, "Name or number of a camera; default: the first");
+    app.add_option("--camera-at", camera_at,
+                   "Where to see the scene from, in the file's coordinates")
+        ->type_name("X,Y,Z")
+        ->check(fileName());
+    app.add_option("--look-at", look_at,
+                   "A point to look at; with --camera-at, default: the scene's middle")
+        ->type_name("X,Y,Z")
+        ->check(fileName());
+    app.add_option("--fov", fov, "Vertical field of view, degrees; default: the camera's")
+        ->check(numberIn(0.1, 179));
+}
+
+void parseViewpoint(const std::string& camera_at, const std::string& look_at, double fov,
+                    std::string& camera, LoadParams& load) {
+    Viewpoint& view = load.view;
+    if (!camera_at.empty()) {
+        view.at = parsePoint("--camera-at", camera_at);
+    }
+    if (!look_at.empty()) {
+        view.look_at = parsePoint("--look-at", look_at);
+    }
+    if (fov > 0.0) {
+        view.y_fov = static_cast<float>(glm::radians(fov));
+    }
+    load.camera = camera;
+    if (view.given()) {
+        camera.clear();  // it becomes the first
+    }
+}
+
 }  // namespace sheen::cli

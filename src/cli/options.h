@@ -8,6 +8,7 @@
 #include "core/math.h"
 #include "image/crop.h"
 #include "scene/environment.h"
+#include "scene/scene.h"
 
 namespace sheen::cli {
 
@@ -40,6 +41,15 @@ int parseCaustics(const std::string& text);
 
 /// The scene that a command is about.
 void addSceneOption(CLI::App& app, std::string& scene);
+
+/// --camera, --camera-at, --look-at and --fov.
+void addViewpointOptions(CLI::App& app, std::string& camera, std::string& camera_at,
+                         std::string& look_at, double& fov);
+
+/// What these say, in `load`; `camera` is emptied where another one becomes the first. Usage error
+/// for what is no point.
+void parseViewpoint(const std::string& camera_at, const std::string& look_at, double fov,
+                    std::string& camera, LoadParams& load);
 
 /// --environment and what belongs to it, of any command that renders.
 void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params);

@@ -1,6 +1,8 @@
 // sheen render: one frame of a scene into an EXR or PNG file.
 #include <algorithm>
+#include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "cli/commands.h"
 #include "cli/render_report.h"
@@ -9,6 +11,7 @@
 #include "image/exr.h"
 #include "image/png.h"
 #include "render/crop.h"
+#include "render/record_file.h"
 
 namespace sheen::cli {
 namespace {
@@ -26,7 +29,21 @@ void writeFrame(const RenderOptions& o, FileKind kind, const Frame& frame) {
 
 RenderResult renderWanted(const Scene& scene, const RenderOptions& o) {
     Session session(scene);
-    return o.part ? renderPart(session, o.params, *o.part) : session.render(o.params);
+    const auto render = [&] {
+        return o.part ? renderPart(session, o.params, *o.part) : session.render(o.params);
+    };
+    if (o.cache.empty()) {
+        return render();
+    }
+    const RecordOrigin origin = {sceneFingerprint(scene), recordRecipe(o.params)};
+    KeptRecords kept;
+    if (std::filesystem::exists(o.cache)) {
+        kept = loadRecords(o.cache, origin);
+    }
+    session.keepRecords(std::move(kept), origin.recipe);
+    RenderResult result = render();
+    saveRecords(o.cache, session.records(), origin);
+    return result;
 }
 
 ExitCode runRender(RenderOptions& o) {
@@ -40,7 +57,7 @@ ExitCode runRender(RenderOptions& o) {
         warn(warning);
     }
     const double load_seconds = load.seconds();
-    checkOutputs({{"-o", o.output}, {"--json", o.json}}, scene.files);
+    checkOutputs({{"-o", o.output}, {"--json", o.json}, {"--cache", o.cache}}, scene.files);
 
     const double limit = o.params.time_limit;
     if (limit > 0.0) {

@@ -53,17 +53,7 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
                    "its height in pixels")
         ->type_name("X,Y,W,H")
         ->check(fileName());
-    app.add_option("--camera", o.params.camera, "Name or number of a camera; default: the first");
-    app.add_option("--camera-at", o.camera_at,
-                   "Where to see the scene from, in the file's coordinates")
-        ->type_name("X,Y,Z")
-        ->check(fileName());
-    app.add_option("--look-at", o.look_at,
-                   "A point to look at; with --camera-at, default: the scene's middle")
-        ->type_name("X,Y,Z")
-        ->check(fileName());
-    app.add_option("--fov", o.fov, "Vertical field of view, degrees; default: the camera's")
-        ->check(numberIn(0.1, 179));
+    addViewpointOptions(app, o.params.camera, o.camera_at, o.look_at, o.fov);
     app.add_option("--variant", o.load.variant, "Materials by a name of KHR_materials_variants");
     addEnvironmentOptions(app, o.load.environment);
     o.exposure_option =
@@ -141,6 +131,19 @@ void addMethodOptions(CLI::App& app, RenderOptions& o) {
                 ->excludes("--target-error")
                 ->default_str(""),
             kCached);
+}
+
+// What is kept for other views and runs.
+void addCacheOption(CLI::App& app, RenderOptions& o) {
+    const Limiter limited{o};
+    limited(app.add_option("--cache", o.cache,
+                           "radiance, irradiance: file of records. Those of it that the view sees "
+                           "are used and only what is missing is gathered; all are written back. "
+                           "One of another scene or other options is refused")
+                ->type_name("FILE")
+                ->check(fileName()),
+            kCached)
+        ->default_str("");
 }
 
 // What records, and paths, sample.
@@ -270,23 +273,6 @@ std::string defaultOutput(const std::string& scene) {
     return std::filesystem::path(scene).stem().string() + ".exr";
 }
 
-void parseView(RenderOptions& o) {
-    Viewpoint& view = o.load.view;
-    if (!o.camera_at.empty()) {
-        view.at = parsePoint("--camera-at", o.camera_at);
-    }
-    if (!o.look_at.empty()) {
-        view.look_at = parsePoint("--look-at", o.look_at);
-    }
-    if (o.fov > 0.0) {
-        view.y_fov = static_cast<float>(glm::radians(o.fov));
-    }
-    o.load.camera = o.params.camera;
-    if (view.given()) {
-        o.params.camera.clear();  // it becomes the first
-    }
-}
-
 }  // namespace
 
 bool tracesPaths(Method method) {
@@ -303,6 +289,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& o) {
     addImageOptions(app, o);
     addMethodOptions(app, o);
     addSamplingOptions(app, o);
+    addCacheOption(app, o);
     addProgramOptions(app, o);
 }
 
@@ -323,7 +310,7 @@ FileKind understand(RenderOptions& o) {
         o.params.aa = kSmoothEdges;
     }
     parseExposure(o.exposure);
-    parseView(o);
+    parseViewpoint(o.camera_at, o.look_at, o.fov, o.params.camera, o.load);
     checkMethodOptions(o);
     o.params.caustics = causticsOf(o);
     o.output = o.output.empty() ? defaultOutput(o.scene) : o.output;

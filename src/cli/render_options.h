@@ -29,6 +29,7 @@ struct RenderOptions {
     std::string exposure = "auto";
     std::string tone = "neutral";
     std::string layers = "basic";
+    std::string cache;  ///< empty: records serve this frame alone
     std::string json;
     int threads = 0;
     LoadParams load;

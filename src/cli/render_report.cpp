@@ -85,6 +85,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"threads", threadCount()},
                  {"output", o.output},
                  {"records", stats.records},
+                 {"records_reused", stats.records_reused},
                  {"seconds", seconds},
                  {"pixels_geometry", stats.pixels_geometry},
                  {"pixels_uncovered", stats.pixels_uncovered},

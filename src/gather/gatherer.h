@@ -13,6 +13,7 @@ namespace sheen {
 /// What a gather found at a site, before any clamp of the radius.
 struct GatheredRecord {
     Record record{};        ///< radius is the harmonic mean distance
+    vec3 toward_viewer{};   ///< of its site
     std::vector<float> sh;  ///< ShLayout; empty for a diffuse record
     /// Greatest second derivative, in magnitude, of the irradiance's luminance along the surface.
     float curvature = 0;

@@ -229,6 +229,7 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
     r.tangent = frame[0];
     r.radius = inverse_sum > 0.0f ? solid_angle_sum / inverse_sum : kInfinity;
     r.irradiance = irradiance;
+    result.toward_viewer = site.toward_viewer;
     vec3* rotation[] = {&r.rotation_r, &r.rotation_g, &r.rotation_b};
     vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
     for (int c = 0; c < 3; ++c) {

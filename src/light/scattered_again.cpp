@@ -466,6 +466,14 @@ void ScatteredAgain::radiance(const Rays& rays, std::span<const Hit> hits, vec3*
     missed_.fetch_add(missed, std::memory_order_relaxed);
 }
 
+double ScatteredAgain::lackingShare(std::span<const ElementSite> sites) const {
+    const auto lacks = [this](const ElementSite& at) {
+        return neighbours(at.side.position, at.normal).count == 0;
+    };
+    return static_cast<double>(std::count_if(sites.begin(), sites.end(), lacks)) /
+           static_cast<double>(std::max<size_t>(sites.size(), 1));
+}
+
 double ScatteredAgain::missedShare() const {
     return static_cast<double>(missed_) / static_cast<double>(std::max<int64_t>(asked_, 1));
 }

@@ -25,6 +25,9 @@ class ScatteredAgain : public OutgoingLight {
 
     void radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const override;
 
+    int bounces() const { return bounces_; }
+    /// Near what share of these no element is.
+    double lackingShare(std::span<const ElementSite> sites) const;
     size_t elementCount() const { return elements_.size(); }
     /// What share of the points so far no element was near.
     double missedShare() const;

@@ -43,29 +43,6 @@ void checkFinite(const Image<vec3>& image, const std::string& what) {
     }
 }
 
-void checkInput(const CompareInput& input) {
-    const int width = input.reference.width, height = input.reference.height;
-    const auto check_size = [&](int w, int h, const std::string& what) {
-        if (w != width || h != height) {
-            throwInput("{} has {}x{} pixels, {} {}x{}: render both at one size", what, w, h,
-                       input.reference_name, width, height);
-        }
-    };
-    check_size(input.test.width, input.test.height, input.test_name);
-    checkFinite(input.test, input.test_name);
-    checkFinite(input.reference, input.reference_name);
-    if (input.reference_variance != nullptr) {
-        const Image<vec3>& variance = *input.reference_variance;
-        check_size(variance.width, variance.height, input.reference_name + ", variance");
-        checkFinite(variance, input.reference_name + ", variance");
-    }
-    for (const Image<uint32_t>* primitive : {input.test_primitive, input.reference_primitive}) {
-        if (primitive != nullptr) {
-            check_size(primitive->width, primitive->height, "a primitive layer");
-        }
-    }
-}
-
 // Sums over samples.
 struct Sums {
     int64_t samples = 0;
@@ -206,8 +183,31 @@ void findWorstTile(const std::vector<Tile>& tiles, double mean, Comparison& resu
 
 }  // namespace
 
+void checkComparable(const CompareInput& input) {
+    const int width = input.reference.width, height = input.reference.height;
+    const auto check_size = [&](int w, int h, const std::string& what) {
+        if (w != width || h != height) {
+            throwInput("{} has {}x{} pixels, {} {}x{}: render both at one size", what, w, h,
+                       input.reference_name, width, height);
+        }
+    };
+    check_size(input.test.width, input.test.height, input.test_name);
+    checkFinite(input.test, input.test_name);
+    checkFinite(input.reference, input.reference_name);
+    if (input.reference_variance != nullptr) {
+        const Image<vec3>& variance = *input.reference_variance;
+        check_size(variance.width, variance.height, input.reference_name + ", variance");
+        checkFinite(variance, input.reference_name + ", variance");
+    }
+    for (const Image<uint32_t>* primitive : {input.test_primitive, input.reference_primitive}) {
+        if (primitive != nullptr) {
+            check_size(primitive->width, primitive->height, "a primitive layer");
+        }
+    }
+}
+
 Comparison compareImages(const CompareInput& input) {
-    checkInput(input);
+    checkComparable(input);
     const std::vector<Tile> tiles = sumTiles(input);
     const Sums all = sumAll(tiles);
 
@@ -277,7 +277,7 @@ vec3 viridis(float t) {
 Image<vec3> heatmap(const CompareInput& input) {
     constexpr double kLowest = 1e-3;  // of three decades
     constexpr double kSteps = 252;    // so few colours that a PNG needs a byte a pixel
-    checkInput(input);
+    checkComparable(input);
     const Sums all = sumAll(sumTiles(input));
     const double mean = all.samples > 0 ? all.meanReference() : 0.0;
     Image<vec3> image(input.reference.width, input.reference.height);

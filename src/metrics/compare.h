@@ -52,6 +52,9 @@ struct Comparison {
 };
 
 /// Input error where the sizes differ or a sample is not finite (the first one is named).
+void checkComparable(const CompareInput& input);
+
+/// Errors as checkComparable().
 Comparison compareImages(const CompareInput& input);
 
 /// Relative error of each pixel, mean over channels of |a-b| / (b + 1% of mean b), in false colour:

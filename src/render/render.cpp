@@ -1,25 +1,21 @@
 #include "render/render.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "baselines/denoise.h"
 #include "baselines/irradiance_cache.h"
-#include "cache/estimate.h"
-#include "cache/fill.h"
-#include "cache/probes.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/timer.h"
-#include "gather/raster_gather.h"
-#include "gather/ray_gather.h"
-#include "gl/objects.h"
 #include "receivers/classes.h"
 #include "render/memory_check.h"
+#include "render/pass.h"
 #include "render/session.h"
 #include "render/veils.h"
-#include "splat/splat.h"
 
 namespace sheen {
 namespace {
@@ -89,207 +85,6 @@ std::vector<MaterialOrder> nameOrders(const Scene& scene, const std::vector<int>
         named.push_back({scene.materials[i].name, orders[i]});
     }
     return named;
-}
-
-// The software rasteriser keeps what it last drew to, deleted or not, until it draws elsewhere.
-void dropTargets() {
-    const gl::Texture texel = gl::makeTexture2d(GL_RGBA32F, 1, 1);
-    const GLuint name = texel.name();
-    const gl::Framebuffer target = gl::makeFramebuffer({&name, 1}, 0);
-    const float black[4] = {};
-    gl::glClearNamedFramebufferfv(target.name(), GL_COLOR, 0, black);
-    gl::glFinish();
-}
-
-std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const ViewState& view,
-                                       const HemisphereParams& hemisphere) {
-    const bool without_caustics = !view.caustic.empty();
-    switch (state.road) {
-        case GatherRoad::kRays:
-            return std::make_unique<RayGatherer>(*view.outgoing, hemisphere, without_caustics);
-        case GatherRoad::kRaster:
-            return std::make_unique<RasterGatherer>(state.pool, state.gpu, hemisphere);
-    }
-    throw std::logic_error("unknown road");
-}
-
-// How wrong the image is: by the records, and by probes, which cast rays whatever road the records
-// took. Probes cost a twentieth of the records, up to what is enough.
-ErrorEstimate judge(const SceneState& state, const RenderParams& params, const ViewState& view,
-                    const RecordCache& cache, const WeightParams& weight,
-                    const HemisphereParams& hemisphere, const Image<vec3>& indirect) {
-    constexpr size_t kRecordsPerProbe = 40;
-    constexpr size_t kFewest = 32;
-    constexpr size_t kEnough = 400;
-    const NeighbourErrors errors =
-        neighbourErrors(view.receivers, cache, view.field.pixels, weight, indirect);
-    std::vector<Probe> probes = chooseProbes(
-        errors, view.receivers, indirect,
-        static_cast<int>(std::clamp(cache.records.size() / kRecordsPerProbe, kFewest, kEnough)));
-    HemisphereParams seen = hemisphere;
-    seen.kind = HemisphereKind::kHemicube;
-    if (state.road != GatherRoad::kRays) {
-        seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
-    }
-    const bool without_caustics = !view.caustic.empty();
-    SpecularParams specular = params.specular;
-    specular.caustics_apart = without_caustics;
-    RayGatherer gatherer(*view.outgoing, seen, without_caustics);
-    gatherProbes(state.scene, view.receivers, view.field, gatherer, *view.outgoing, specular,
-                 probes);
-    return estimateError(errors, probes, view.receivers, indirect);
-}
-
-// What decides what a pass renders: its accuracy, and when it is given up.
-struct Pass {
-    float accuracy = 0;
-    double seconds = kInfinity;  // for gathering; OutOfTime is thrown where that is not enough
-};
-
-// Places records, and adds what that took to the stages' seconds, also where it takes too long.
-Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& how,
-                     const HemisphereParams& hemisphere, bool quiet, double at_most,
-                     StageSeconds& seconds) {
-    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
-    const Timer timer;
-    const auto account = [&] {
-        const GatherSeconds gathered = gatherer->seconds();
-        seconds.gather += gathered.see;
-        seconds.project += gathered.project;
-        seconds.placement += timer.seconds() - gathered.see - gathered.project;
-    };
-    try {
-        Placement placement =
-            placeRecords(state.scene, view.receivers, how, *gatherer, view.field, quiet, at_most);
-        account();
-        return placement;
-    } catch (const OutOfTime&) {
-        account();
-        throw;
-    }
-}
-
-// What records say of the strays of edges, and records of their own of those that none serves.
-SplatBuffer splatStrays(SceneState& state, const ViewState& view, const RecordCache& cache,
-                        const PlacementParams& how, const HemisphereParams& hemisphere,
-                        RenderStats& stats) {
-    const Receivers& strays = view.edges->strays;
-    SplatBuffer splat = splatCpu(strays, cache, how.servingWeight());
-    std::vector<size_t> missed;
-    for (size_t i = 0; i < splat.irradiance.pixels.size(); ++i) {
-        if (strays.seen(i) && splat.irradiance.pixels[i].w <= shared::MIN_WEIGHT_SUM) {
-            missed.push_back(i);
-        }
-    }
-    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
-    const RecordCache own = recordsAt(state.scene, strays, missed, how, *gatherer);
-    const SplatBuffer by_own = splatCpu(strays, own, how.servingWeight());
-    for (const size_t i : missed) {
-        splat.irradiance.pixels[i] = by_own.irradiance.pixels[i];
-        splat.specular.pixels[i] = by_own.specular.pixels[i];
-        splat.missed.pixels[i] = by_own.missed.pixels[i];
-    }
-    stats.edge_records = static_cast<int>(missed.size());
-    return splat;
-}
-
-// What samples of edges see, for what their pixels' middles do.
-ComposeCounts smoothEdges(SceneState& state, const ViewState& view, const RecordCache& cache,
-                          const PlacementParams& how, const HemisphereParams& hemisphere,
-                          const LitReceivers& pixels, RenderResult& result) {
-    const Receivers& strays = view.edges->strays;
-    const SplatBuffer splat = splatStrays(state, view, cache, how, hemisphere, result.stats);
-    Image<vec3> specular;
-    if (!view.stray_specular.pixels.empty()) {
-        specular =
-            reflectSpecular(strays, view.stray_specular, cachedSpecular(strays, splat), false);
-    }
-    result.stats.pixels_edges = static_cast<int>(view.edges->pixels.size());
-    return blendEdges(*view.edges, pixels, {strays, splat, specular}, result.frame);
-}
-
-// What a pass gathers with where the user has not said.
-HemisphereParams hemisphereOf(const HemisphereParams& wanted, GatherRoad road, float accuracy) {
-    HemisphereParams hemisphere = wanted;
-    if (hemisphere.size == 0) {
-        hemisphere.size = gatherSize(road, accuracy, hemisphere.kind);
-    }
-    if (hemisphere.extent == 0.0f) {
-        hemisphere.extent = gatherExtent(hemisphere.kind);
-    }
-    return hemisphere;
-}
-
-void tell(const Placement& placement, const ErrorEstimate& estimate, const ComposeCounts& counts,
-          RenderStats& stats) {
-    stats.records = static_cast<int>(placement.cache.records.size());
-    stats.estimated_rel_rmse = estimate.rel_rmse;
-    stats.estimate_low = estimate.low;
-    stats.estimate_high = estimate.high;
-    stats.passes += 1;
-    stats.pixels_uncovered = placement.uncovered;
-    stats.nonfinite_pixels = counts.nonfinite;
-    stats.negative_pixels = counts.negative;
-}
-
-// placement, which gathers and projects -> splat -> compose. A pass that is given up has changed
-// nothing of `result` but times.
-void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
-                RenderResult& result) {
-    PlacementParams how = params.placement;
-    how.accuracy = pass.accuracy;
-    if (how.min_pixels == 0.0f) {
-        how.min_pixels = leastReach(pass.accuracy);
-    }
-    const HemisphereParams hemisphere = hemisphereOf(params.gather, state.road, pass.accuracy);
-
-    RenderStats& stats = result.stats;
-    StageSeconds& seconds = stats.seconds;
-    // Records of much fewer rays would spoil what the others found.
-    constexpr float kMuchCoarser = 0.7f;
-    if (static_cast<float>(view.gather_size) < kMuchCoarser * static_cast<float>(hemisphere.size)) {
-        view.field = {};
-        view.gather_size = hemisphere.size;
-    }
-    const Placement placement =
-        placeTimed(state, view, how, hemisphere, params.quiet, pass.seconds, seconds);
-
-    const Timer splat_timer;
-    SplatBuffer splat = splatGpu(state.pool, view.receivers, placement.cache, how.servingWeight());
-    state.pool.runOnFirst(dropTargets);
-    seconds.splat += splat_timer.seconds();
-
-    const Timer compose_timer;
-    Image<vec3> specular;  // of pixels that rays see; none in many scenes
-    if (!view.specular.pixels.empty()) {
-        specular =
-            reflectSpecular(view.receivers, view.specular, cachedSpecular(view.receivers, splat));
-    }
-    ComposeCounts counts =
-        compose(view.receivers, splat, specular, params.all_layers, result.frame);
-    if (!view.edges) {
-        splat = {};
-        specular = {};
-    }
-    const ErrorEstimate estimate = judge(
-        state, params, view, placement.cache, how.servingWeight(), hemisphere,
-        view.receivers.irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
-    if (view.edges) {
-        counts.add(smoothEdges(state, view, placement.cache, how, hemisphere,
-                               {view.receivers, splat, specular}, result));
-    }
-    result.frame.caustic = view.caustic;
-    for (size_t i = 0; i < view.of_coats.pixels.size(); ++i) {
-        result.frame.indirect.pixels[i] += view.of_coats.pixels[i];
-    }
-    if (params.all_layers) {
-        result.frame.records = countRecords(view.receivers, placement.cache, how.servingWeight());
-    }
-    seconds.compose += compose_timer.seconds();
-
-    stats.accuracy = pass.accuracy;
-    stats.gather_size = hemisphere.size;
-    tell(placement, estimate, counts, stats);
 }
 
 // Renders at finer and finer accuracies, until the estimate is at most the target or falls no more.
@@ -371,12 +166,13 @@ void renderView(const RenderParams& params, const Timer& timer, SceneState& stat
     }
 }
 
-RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
-                           const RenderParams& params, const Timer& timer) {
+// `made_in`: what making the state took, from `timer`'s begin on.
+RenderResult renderStateByCache(SceneState& state, const StageSeconds& made_in,
+                                const RenderParams& params, const Timer& timer, KeptRecords* kept) {
     RenderResult result;
     RenderStats& stats = result.stats;
     stats.seconds = made_in;
-    ViewState view(state, params, stats.seconds);
+    ViewState view(state, params, stats.seconds, kept);
     RenderParams each = params;
     each.time_limit /= view.veils + 1;
     renderView(each, timer, state, view, result);
@@ -384,7 +180,7 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
     for (int veil = 1; veil <= view.veils; ++veil) {
         RenderResult of_veil;
         of_veil.stats.seconds = stats.seconds;
-        ViewState veil_view(state, params, of_veil.stats.seconds, veil, &view);
+        ViewState veil_view(state, params, of_veil.stats.seconds, veil, view);
         each.time_limit += params.time_limit / (view.veils + 1);
         renderView(each, timer, state, veil_view, of_veil);
         veiled.add(std::move(of_veil), veil_view.share);
@@ -402,10 +198,26 @@ RenderResult renderByCache(SceneState& state, const StageSeconds& made_in,
         stats.elements = view.again->elementCount();
         stats.elements_missed_share = view.again->missedShare();
     }
+    if (kept != nullptr) {
+        kept->put(std::move(view.field));
+    }
     return result;
 }
 
 }  // namespace
+
+RenderResult renderByCache(SceneState& state, const RenderParams& params, KeptRecords* kept) {
+    return renderStateByCache(state, {}, params, Timer(), kept);
+}
+
+std::string recordRecipe(const RenderParams& params) {
+    return fmt::format(
+        "method {}, order {}, road {}, hemisphere {} of extent {}, bounces {}, caustics apart {}",
+        params.method == Method::kIrradiance ? "irradiance" : "radiance", params.sh_order,
+        params.gather_road == GatherRoad::kRays ? "rays" : "raster",
+        static_cast<int>(params.gather.kind), params.gather.extent, params.bounces,
+        params.caustics > 0);
+}
 
 Camera viewOf(const Scene& scene, const RenderParams& params) {
     Camera camera = findCamera(scene, params.camera);
@@ -434,6 +246,24 @@ bool findsCaustics(Method method, GatherRoad road) {
 Session::Session(const Scene& scene) : scene_(scene) {}
 Session::~Session() = default;
 
+void Session::keepRecords(KeptRecords records, std::string recipe) {
+    keeps_ = true;
+    kept_ = std::move(records);
+    recipe_ = std::move(recipe);
+}
+
+KeptRecords* Session::keptFor(const RenderParams& params) {
+    if (!keeps_) {
+        return nullptr;
+    }
+    std::string recipe = recordRecipe(params);
+    if (recipe != recipe_) {
+        kept_ = {};
+        recipe_ = std::move(recipe);
+    }
+    return &kept_;
+}
+
 RenderResult Session::renderByMethod(const RenderParams& params) {
     const Timer timer;
     switch (params.method) {
@@ -460,7 +290,7 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             }
             RenderParams smoothed = params;
             smoothed.specular.pixel_area = params.aa > 1;
-            return renderByCache(*state_, seconds, smoothed, timer);
+            return renderStateByCache(*state_, seconds, smoothed, timer, keptFor(params));
         }
     }
     throw std::logic_error("unknown method");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cache/placement_params.h"
+#include "cache/record_field.h"
 #include "core/bounces.h"
 #include "glossy/specular_rays.h"
 #include "hemisphere/hemisphere.h"
@@ -76,6 +77,7 @@ struct StageSeconds {
 /// What the program prints and writes as --json.
 struct RenderStats {
     int records = 0;
+    int records_reused = 0;  ///< of these, from former frames
     StageSeconds seconds;
     int pixels_geometry = 0;   ///< pixels that see geometry
     int pixels_uncovered = 0;  ///< of these, without any record
@@ -124,6 +126,9 @@ constexpr float kFinestAccuracy = 0.03f;
 /// The camera that `params` names, with their window. Usage error where there is none.
 Camera viewOf(const Scene& scene, const RenderParams& params);
 
+/// What records depend on besides the scene: those of equal recipes may stand beside each other.
+std::string recordRecipe(const RenderParams& params);
+
 struct SceneState;
 
 /// Renders frames of a scene, which must outlive it. What is made of the scene for the methods that
@@ -137,11 +142,22 @@ class Session {
     /// does not exist; environment error without an OpenGL 4.5 context.
     RenderResult render(const RenderParams& params);
 
+    /// From now on a frame begins with those records of former ones that it sees, as far as they
+    /// were gathered by the same options (recordRecipe()): only what is missing is gathered, and
+    /// light kept on surfaces serves all views. The frame then depends, within its error, on those
+    /// before it. `records`: to begin with, of that recipe.
+    void keepRecords(KeptRecords records = {}, std::string recipe = {});
+    const KeptRecords& records() const { return kept_; }
+
   private:
     RenderResult renderByMethod(const RenderParams& params);
+    KeptRecords* keptFor(const RenderParams& params);
 
     const Scene& scene_;
     std::unique_ptr<SceneState> state_;
+    bool keeps_ = false;
+    std::string recipe_;  // of what is kept
+    KeptRecords kept_;
 };
 
 /// The same of a session of its own.

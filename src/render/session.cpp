@@ -67,7 +67,7 @@ SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seco
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
       tracer(timed(seconds.gather, [&] { return Tracer(scene); })),
-      lights(timed(seconds.gather, [&] { return SceneLights(tracer); })) {
+      lights(timed(seconds.gather, [&] { return std::make_optional<SceneLights>(tracer); })) {
     if (road == GatherRoad::kRaster) {
         const StageTimer timer(seconds.shadow);
         pool.runOnFirst([&] { gpu = uploadScene(scene); });
@@ -78,10 +78,19 @@ bool SceneState::keepsCausticsApart(const RenderParams& params) const {
     return specular && params.caustics > 0 && road == GatherRoad::kRays;
 }
 
+void SceneState::relight() {
+    again.reset();
+    outgoing.reset();
+    near.clear();
+    lights.emplace(tracer);
+    specular = anySpecular(scene);
+}
+
 void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds) {
     if (outgoing && near == boxes) {
         return;
     }
+    again.reset();
     outgoing.reset();  // made last: there are none where anything fails
     near = boxes;
     if (road == GatherRoad::kRaster) {
@@ -90,7 +99,24 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
     }
     const StageTimer timer(seconds.gather);
     // The raster road gathers what lamps send, as light of surfaces.
-    outgoing.emplace(tracer, road == GatherRoad::kRays ? &lights : nullptr, near);
+    outgoing.emplace(tracer, road == GatherRoad::kRays ? &*lights : nullptr, near);
+}
+
+std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers& receivers,
+                                                                 int bounces, bool reuse) {
+    constexpr double kMostLacking = 0.02;
+    const std::vector<ElementSite> from = someOf(scene, receivers);
+    if (reuse && again && again->bounces() == bounces &&
+        again->lackingShare(from) <= kMostLacking) {
+        return again;
+    }
+    again.reset();  // never two of them in memory
+    auto made = std::make_shared<const ScatteredAgain>(*outgoing, placeElements(tracer, from), near,
+                                                       bounces);
+    if (reuse) {
+        again = made;
+    }
+    return made;
 }
 
 SceneState::~SceneState() {
@@ -104,7 +130,8 @@ SceneState::~SceneState() {
 // rays -> G-buffer -> receivers -> rays where the cache cannot follow. Direct light comes from rays
 // where records use rays, else from shadow maps.
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
-                     const ViewState* ground) {
+                     const ViewState* ground, KeptRecords* kept_)
+    : kept(kept_) {
     const Camera camera = viewOf(state.scene, params);
     GBuffer gbuffer = timed(seconds.gbuffer, [&] {
         return renderGBuffer(state.tracer, camera, params.width, params.height, veil);
@@ -118,7 +145,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     {
         const StageTimer timer(seconds.shadow);
         if (state.road == GatherRoad::kRays) {
-            gbuffer.direct = directWithCoats(state.tracer, state.lights, gbuffer);
+            gbuffer.direct = directWithCoats(state.tracer, *state.lights, gbuffer);
             if (!gbuffer.coat.empty() && params.method == Method::kRadiance) {
                 coats = coatsOf(state.scene, gbuffer);
             }
@@ -133,7 +160,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     Image<float> before;
     if (params.aa > 1) {
         const StageTimer timer(seconds.gbuffer);
-        edges = findEdges(state.tracer, state.lights, camera, receivers, {veil, share},
+        edges = findEdges(state.tracer, *state.lights, camera, receivers, {veil, share},
                           params.sh_order, params.aa);
         before = takeWhole(*edges, share);
     }
@@ -141,8 +168,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     outgoing = ground != nullptr ? ground->outgoing : &*state.outgoing;
     if (params.bounces > 1 && ground == nullptr) {
         const StageTimer timer(seconds.bounces);
-        again.emplace(*state.outgoing, placeElements(state.tracer, someOf(state.scene, receivers)),
-                      state.near, params.bounces);
+        again = state.scatteredAgain(receivers, params.bounces, kept != nullptr);
         outgoing = &*again;
     }
     SpecularParams by_rays = params.specular;
@@ -176,7 +202,7 @@ void ViewState::findCaustics(const SceneState& state, const RenderParams& params
     }
     const SeenSpace space(points);
     const PhotonMap photons(
-        traceCaustics(state.tracer, state.lights, space, params.caustics, params.bounces),
+        traceCaustics(state.tracer, *state.lights, space, params.caustics, params.bounces),
         space.reach());
     caustic_photons = photons.size();
     const CausticLight of_pixels = causticLight(state.tracer, photons, receivers);

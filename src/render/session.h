@@ -20,13 +20,15 @@ namespace sheen {
 struct SceneState {
     const Scene& scene;
     const GatherRoad road;
-    const bool specular;  // some surface is
+    bool specular;  // some surface is
     gl::WorkerPool pool;
     Tracer tracer;
-    SceneLights lights;
+    std::optional<SceneLights> lights;      // always there
     std::optional<ScatteredOnce> outgoing;  // what rays see of one bounce
     GpuScene gpu;                           // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
+    /// Light kept on surfaces that serves the next view too, where records do.
+    std::shared_ptr<const ScatteredAgain> again;
 
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
     SceneState(const Scene& scene, GatherRoad road, StageSeconds& seconds);
@@ -35,13 +37,20 @@ struct SceneState {
     bool keepsCausticsApart(const RenderParams& params) const;
     /// Makes cells and shadow maps for what is near a view (nearBoxes()), unless there are such.
     void prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seconds);
+    /// To be called where the scene's lights, or what its materials reflect or emit, changed: makes
+    /// what depends on them anew. Rays alone; textures and alpha must stay.
+    void relight();
+    /// Light of more bounces than one for what is looked for from these receivers. `reuse`: what
+    /// was made for a former view, unless it lacks light where this one looks.
+    std::shared_ptr<const ScatteredAgain> scatteredAgain(const Receivers& receivers, int bounces,
+                                                         bool reuse);
 };
 
 /// Made of a camera once: its pixels as receivers, what of their light records are not asked for,
 /// and the records gathered so far.
 struct ViewState {
-    std::optional<ScatteredAgain> again;      // its own; none of one bounce
-    const OutgoingLight* outgoing = nullptr;  // what rays see
+    std::shared_ptr<const ScatteredAgain> again;  // none of one bounce
+    const OutgoingLight* outgoing = nullptr;      // what rays see
     Receivers receivers;
     Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
     Image<vec3> of_coats;          // indirect light that clear coats add; empty: none
@@ -49,22 +58,30 @@ struct ViewState {
     size_t caustic_photons = 0;
     std::optional<Edges> edges;          // none where only the pixels' middles count
     Image<SpecularSeen> stray_specular;  // likewise, of the edges' strays
+    KeptRecords* const kept;  // of other views, for the first pass to begin with; null: none
     RecordField field;
-    int gather_size = 0;  // that these were gathered with, or more
-    Image<float> share;   // of each pixel's light; empty: all of it
-    int veils = 0;        // blended surfaces before what is seen, each a view of its own
+    Image<float> share;  // of each pixel's light; empty: all of it
+    int veils = 0;       // blended surfaces before what is seen, each a view of its own
 
-    /// Of what the camera sees behind all blended surfaces. Usage error where the camera does not
-    /// exist.
-    ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds)
-        : ViewState(state, params, seconds, 0, nullptr) {}
+    /// Of what the camera sees behind all blended surfaces; what is `kept`, unless null, must
+    /// outlive it. Usage error where the camera does not exist.
+    ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds,
+              KeptRecords* kept)
+        : ViewState(state, params, seconds, 0, nullptr, kept) {}
     /// Of the so manieth of these, from 1 on. `ground`, of what is behind them, must outlive it:
     /// rays see the same.
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
-              const ViewState* ground);
+              const ViewState& ground)
+        : ViewState(state, params, seconds, veil, &ground, nullptr) {}
 
   private:
+    ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
+              const ViewState* ground, KeptRecords* kept);
     void findCaustics(const SceneState& state, const RenderParams& params);
 };
+
+/// What Session::render() makes of its own state. `kept`: as ViewState has it, and of this frame
+/// as well afterwards.
+RenderResult renderByCache(SceneState& state, const RenderParams& params, KeptRecords* kept);
 
 }  // namespace sheen

@@ -226,7 +226,9 @@ std::vector<float> readFloats(const File& file, int accessor_index, int componen
     const std::string where = fmt::format("{}, accessor {}", owner, accessor_index);
     if (accessorComponents(file, accessor_index, owner) != components) {
         file.fail(where, "its type must be {}; export the file again",
-                  components == 16 ? "MAT4" : fmt::format("VEC{}", components));
+                  components == 16  ? "MAT4"
+                  : components == 1 ? "SCALAR"
+                                    : fmt::format("VEC{}", components));
     }
     const int type = accessor.componentType;
     const bool is_float = type == TINYGLTF_COMPONENT_TYPE_FLOAT;

@@ -18,7 +18,7 @@ const std::map<std::string, const char*> kExtensions = {
     {"EXT_meshopt_compression", kRight},
     {"EXT_texture_avif", kIgnored},
     {"EXT_texture_webp", kIgnored},
-    {"KHR_animation_pointer", kIgnored},
+    {"KHR_animation_pointer", "approximated: of nodes, lights and cameras alone"},
     {"KHR_lights_punctual", kRight},
     {"KHR_materials_anisotropy", "approximated: a round highlight as wide on average"},
     {"KHR_materials_clearcoat",
@@ -71,9 +71,6 @@ void noteIgnoredParts(File& file) {
             file.notes.add(fmt::format("extension {} is not supported and ignored", oneLine(name)));
         }
     }
-    if (file.animated) {
-        file.notes.add("animations are not supported: the scene is shown at rest");
-    }
 }
 
 void listFeatures(const File& file, Scene& scene) {
@@ -113,13 +110,13 @@ void listFeatures(const File& file, Scene& scene) {
     add(primitive([](const Primitive& p) { return p.attributes.count("COLOR_0") > 0; }),
         "vertex colours", kRight);
     add(primitive([](const Primitive& p) { return !p.targets.empty(); }), "morph targets",
-        "right: by the weights that are stored");
+        "right: by the weights that are stored or move");
     add(primitive([](const Primitive& p) { return p.mode >= 0 && p.mode < 4; }), "points and lines",
         kIgnored);
     add(any(model.cameras, [](const tinygltf::Camera& c) { return c.type == "orthographic"; }),
         "orthographic cameras", "approximated: seen from afar");
     add(!model.skins.empty(), "skins", "right: where their joints stand");
-    add(file.animated, "animations", kIgnored);
+    add(file.animated(), "animations", "right: by sheen animate; shown at rest by all else");
 }
 
 }  // namespace sheen::gltf

@@ -223,6 +223,25 @@ void Notes::add(const std::string& what, int64_t count) {
     notes_.emplace_back(what, count);
 }
 
+void Notes::add(const Notes& others) {
+    for (const auto& [what, count] : others.notes_) {
+        add(what, count);
+    }
+}
+
+Notes Notes::without(const Notes& known) const {
+    Notes rest;
+    for (const auto& note : notes_) {
+        const bool is_known =
+            std::any_of(known.notes_.begin(), known.notes_.end(),
+                        [&](const auto& other) { return other.first == note.first; });
+        if (!is_known) {
+            rest.notes_.push_back(note);
+        }
+    }
+    return rest;
+}
+
 std::vector<std::string> Notes::lines() const {
     std::vector<std::string> lines;
     for (const auto& [what, count] : notes_) {
@@ -235,6 +254,8 @@ bool File::uses(const std::string& extension) const {
     const std::vector<std::string>& used = model.extensionsUsed;
     return std::find(used.begin(), used.end(), extension) != used.end();
 }
+
+bool File::animated() const { return animations && !animations->empty(); }
 
 float finiteFloat(const File& file, double value, const std::string& where, const char* what) {
     const auto result = static_cast<float>(value);
@@ -290,7 +311,7 @@ void parse(File& file) {
     }
     const nlohmann::json buffers = takeArray(document, "buffers");
     const nlohmann::json images = takeArray(document, "images");
-    file.animated = !takeArray(document, "animations").empty();
+    file.animations = std::make_shared<const nlohmann::json>(takeArray(document, "animations"));
     const std::string error = parseModel(std::move(document), file.model);
     // A file that an extension changes often fails to parse for that reason: name it first.
     checkRequiredExtensions(file);

@@ -105,35 +105,59 @@ void addStudio(File& file, const EnvironmentParams& environment, Scene& scene) {
               "another sky or, by none, not at all");
 }
 
-}  // namespace
-}  // namespace gltf
+// What is to hold of a scene wherever its nodes stand.
+void finishPlaces(File& file, Scene& scene) {
+    checkExtent(file, scene);
+    placeParallelCameras(file, scene);
+    checkLightLevel(file, scene);
+}
 
-Scene loadScene(const std::string& path, const LoadParams& params) {
-    const EnvironmentParams& environment = params.environment;
-    gltf::File file{.path = path, .model = {}, .keeps_sources = params.sources, .notes = {}};
-    Scene scene;
-    try {
-        gltf::parse(file);
-        gltf::chooseVariant(file, params.variant);
-        gltf::loadMaterials(file, scene);
-        gltf::checkMeshMemory(file);
-        gltf::flatten(file, params, scene);
-        gltf::checkExtent(file, scene);
-        gltf::placeParallelCameras(file, scene);
-        gltf::checkLightLevel(file, scene);
-        gltf::dropIdleBlending(scene);
-        gltf::separateCoplanar(file, scene);
-    } catch (const std::bad_alloc&) {
-        throwEnvironment("{}: not enough memory to load it", path);
+// A view of the user's that looks at what stays in place.
+LoadParams fixedView(const LoadParams& params, const Scene& scene) {
+    LoadParams fixed = params;
+    if (fixed.view.at && !fixed.view.look_at) {
+        fixed.view.look_at = scene.inFile(scene.bounds.center());
     }
-    gltf::noteIgnoredParts(file);
-    gltf::listFeatures(file, scene);
-    gltf::addEnvironment(file, environment, scene);
+    return fixed;
+}
+
+void addView(const LoadParams& params, Scene& scene) {
+    if (params.view.given()) {
+        scene.cameras.insert(scene.cameras.begin(), seenFrom(scene, params));
+    }
+}
+
+void read(File& file, const LoadParams& params, Scene& scene) {
+    parse(file);
+    chooseVariant(file, params.variant);
+    loadMaterials(file, scene);
+    checkMeshMemory(file);
+    flatten(file, params, scene);
+    finishPlaces(file, scene);
+    dropIdleBlending(scene);
+    separateCoplanar(file, scene);
+}
+
+}  // namespace
+
+Additions load(File& file, const LoadParams& params, Scene& scene) {
+    const EnvironmentParams& environment = params.environment;
+    try {
+        read(file, params, scene);
+    } catch (const std::bad_alloc&) {
+        throwEnvironment("{}: not enough memory to load it", file.path);
+    }
+    const auto of_nodes = static_cast<std::ptrdiff_t>(scene.lights.size());
+    noteIgnoredParts(file);
+    listFeatures(file, scene);
+    addEnvironment(file, environment, scene);
     if (scene.triangles.empty()) {
         file.notes.add("the scene has no geometry");
     }
+    Additions additions;
     if (scene.cameras.empty()) {
-        scene.cameras.push_back(framingCamera(scene));
+        additions.camera = framingCamera(scene);
+        scene.cameras.push_back(*additions.camera);
         if (!scene.triangles.empty() && !params.view.at) {
             file.notes.add(
                 "the scene has no camera: seen from the front and the side, all of it in view; "
@@ -141,13 +165,41 @@ Scene loadScene(const std::string& path, const LoadParams& params) {
         }
     }
     if (!scene.triangles.empty() && environment.source != "none" && isDark(scene)) {
-        gltf::addStudio(file, environment, scene);
+        addStudio(file, environment, scene);
     }
-    if (params.view.given()) {
-        scene.cameras.insert(scene.cameras.begin(), seenFrom(scene, params));
-    }
+    additions.lights.assign(scene.lights.begin() + of_nodes, scene.lights.end());
+    additions.light_names.assign(scene.light_names.begin() + of_nodes, scene.light_names.end());
+    additions.params = fixedView(params, scene);
+    addView(params, scene);
     scene.files = std::move(file.read);
-    scene.files.push_back(path);
+    scene.files.push_back(file.path);
+    return additions;
+}
+
+void placeAgain(File& file, const Additions& additions, Scene& scene) {
+    file.parallel_cameras.clear();
+    appendNodes(file, scene);
+    finishPlaces(file, scene);
+    separateCoplanar(file, scene);
+    scene.lights.insert(scene.lights.end(), additions.lights.begin(), additions.lights.end());
+    scene.light_names.insert(scene.light_names.end(), additions.light_names.begin(),
+                             additions.light_names.end());
+    if (scene.cameras.empty() && additions.camera) {
+        scene.cameras.push_back(*additions.camera);
+    }
+    addView(additions.params, scene);
+}
+
+}  // namespace gltf
+
+Scene loadScene(const std::string& path, const LoadParams& params) {
+    gltf::File file{.path = path, .model = {}, .keeps_sources = params.sources, .notes = {}};
+    Scene scene;
+    gltf::load(file, params, scene);
+    if (file.animated()) {
+        file.notes.add(
+            "the file is animated: shown at rest; sheen animate shows it as time passes");
+    }
     scene.warnings = file.notes.lines();
     return scene;
 }

@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <map>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
@@ -26,8 +27,11 @@ constexpr double kLargestExtent = 1e18;
 class Notes {
   public:
     void add(const std::string& what, int64_t count = 1);
+    void add(const Notes& others);
     /// One line each, with its count where it is more than one.
     std::vector<std::string> lines() const;
+    /// Those of other kinds than these.
+    Notes without(const Notes& known) const;
 
   private:
     std::vector<std::pair<std::string, int64_t>> notes_;
@@ -53,10 +57,10 @@ struct File {
     tinygltf::Model model;               ///< without buffers, images and animations
     std::vector<FileBytes> buffers = {};
     std::vector<EncodedImage> images = {};
-    bool animated = false;
-    bool keeps_sources = false;  ///< LoadParams::sources
-    std::string variants = {};   ///< their names, for messages
-    int variant = -1;            ///< that is chosen; -1: none
+    std::shared_ptr<const nlohmann::json> animations = {};  ///< an array, as it is written
+    bool keeps_sources = false;                             ///< LoadParams::sources
+    std::string variants = {};                              ///< their names, for messages
+    int variant = -1;                                       ///< that is chosen; -1: none
     Notes notes;
     /// Cameras of Scene without perspective, until the scene's size is known.
     struct ParallelCamera {
@@ -85,6 +89,7 @@ struct File {
     }
 
     bool uses(const std::string& extension) const;
+    bool animated() const;
 };
 
 /// Reads `file.path`: whole, version 2, with no extension required that is not understood; images
@@ -97,11 +102,26 @@ bool isUnderstood(const std::string& extension);
 /// The JSON text of a file that parse() accepted.
 std::string jsonOf(const std::string& path);
 
-/// Notes what the file as a whole asks for and does not get: extensions, animations.
+/// Notes what the file as a whole asks for and does not get: extensions.
 void noteIgnoredParts(File& file);
 
 /// Fills Scene::features.
 void listFeatures(const File& file, Scene& scene);
+
+/// What a scene has that no node of its file brings: it stays where it is while they move.
+struct Additions {
+    std::vector<PunctualLight> lights = {};  ///< of a sky's sun, of a studio
+    std::vector<std::string> light_names = {};
+    std::optional<Camera> camera = {};  ///< of a file without any
+    LoadParams params = {};             ///< that look at a point where they look at anything
+};
+
+/// Loads all of a scene, as its nodes stand, into `file` and `scene`.
+Additions load(File& file, const LoadParams& params, Scene& scene);
+
+/// Brings geometry, lights and cameras of a loaded scene to where the file's nodes stand now; what
+/// is to be said of that is in File::notes. Errors as loadScene().
+void placeAgain(File& file, const Additions& additions, Scene& scene);
 
 /// Such as "node 3 (lamp)"; the name may be any text.
 std::string label(const char* kind, size_t index, const std::string& name);
@@ -143,7 +163,7 @@ uint64_t accessorCount(const File& file, const tinygltf::Accessor& accessor);
 /// How many numbers an element of an accessor has: 1 to 4 or 16, 0 where that is something else.
 int accessorComponents(const File& file, int accessor, const std::string& where);
 
-/// An accessor's values as floats, [element][components]; `components` is 2, 3, 4 or, of a matrix
+/// An accessor's values as floats, [element][components]; `components` is 1 to 4 or, of a matrix
 /// by columns, 16. Normalised
 /// integers become [0, 1] or [-1, 1]; sparse accessors are filled in.
 std::vector<float> readFloats(const File& file, int accessor, int components, Integers integers,

@@ -1,0 +1,75 @@
+#include "cli/sequence_file.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "cli/output.h"
+#include "core/error.h"
+
+namespace sheen::cli {
+namespace {
+
+// None where the text is no such file.
+std::optional<Sequence> parseSequence(const std::string& text) {
+    try {
+        const Json json = Json::parse(text);
+        Sequence sequence{.key = {.program = json.at("program").get<std::string>(),
+                                  .scene = json.at("scene").get<std::string>(),
+                                  .options = json.at("options").get<std::string>()}};
+        if (json.at("exposure").is_number()) {
+            sequence.exposure = json.at("exposure").get<float>();
+        }
+        return sequence;
+    } catch (const nlohmann::json::exception&) {
+        return std::nullopt;
+    }
+}
+
+const char* differenceOf(const SequenceKey& a, const SequenceKey& b) {
+    return a.scene != b.scene       ? "of another scene"
+           : a.options != b.options ? "with other options"
+                                    : "by another version of the program";
+}
+
+}  // namespace
+
+std::string sequenceFile(const FrameNames& names) { return names.beside("sequence.json"); }
+
+std::optional<Sequence> findSequence(const FrameNames& names, const FrameRange& frames,
+                                     const SequenceKey& key) {
+    const std::string path = sequenceFile(names);
+    std::ifstream in(path, std::ios::binary);
+    if (in) {
+        const std::string text{std::istreambuf_iterator<char>(in),
+                               std::istreambuf_iterator<char>()};
+        const std::optional<Sequence> sequence = parseSequence(text);
+        if (!sequence || !(sequence->key == key)) {
+            throwUsage("{}: the frames beside it were made {}; choose another -o, or remove them",
+                       path, sequence ? differenceOf(sequence->key, key) : "otherwise");
+        }
+        return sequence;
+    }
+    for (int frame = frames.first; frame <= frames.last; ++frame) {
+        if (std::filesystem::exists(names(frame))) {
+            throwUsage(
+                "{}: is there, but {}, which says how it was made, is not; choose another -o, or "
+                "remove it",
+                names(frame), path);
+        }
+    }
+    return std::nullopt;
+}
+
+void writeSequence(const FrameNames& names, const Sequence& sequence) {
+    Json json = {{"program", sequence.key.program},
+                 {"scene", sequence.key.scene},
+                 {"options", sequence.key.options},
+                 {"exposure", nullptr}};
+    if (sequence.exposure) {
+        json["exposure"] = *sequence.exposure;
+    }
+    writeJson(sequenceFile(names), json);
+}
+
+}  // namespace sheen::cli

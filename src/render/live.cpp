@@ -1,0 +1,338 @@
+#include "render/live.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cache/scan.h"
+#include "core/error.h"
+#include "core/timer.h"
+#include "render/memory_check.h"
+#include "render/pass.h"
+
+namespace sheen {
+namespace {
+
+// Of the coarsest image: so many of the whole one's pixels are one of its, along a side.
+constexpr int kCoarsest = 8;
+// An image that stands is shown so seldom that gathering takes so many times what showing does.
+constexpr double kFillOverShow = 2.0;
+constexpr int kFinest = 2;  // of images of views that move
+// Sites gathered at a time: few, so that a step ends in time.
+constexpr int kBatch = 16;
+// Where an image is incomplete records serve as far as so many times their reach what none serves.
+constexpr float kFarther = 8.0f;
+// Rays of a pixel too glossy for the cache in a coarse image, over those of a whole one.
+constexpr float kCoarseRays = 0.1f;
+
+bool isServed(const SplatBuffer& splat, size_t i) {
+    return splat.irradiance.pixels[i].w > shared::MIN_WEIGHT_SUM;
+}
+
+// What receivers that no record serves get on average, as if from everywhere.
+void serveByMean(const Receivers& receivers, std::span<const size_t> missed, SplatBuffer& splat) {
+    vec3 sum(0.0f);
+    float count = 0.0f;
+    for (size_t i = 0; i < receivers.positions.size(); ++i) {
+        if (receivers.seen(i) && isServed(splat, i)) {
+            sum += vec3(splat.irradiance.pixels[i]) / splat.irradiance.pixels[i].w;
+            count += 1.0f;
+        }
+    }
+    const vec3 mean = sum / std::max(count, 1.0f);
+    for (const size_t i : missed) {
+        splat.irradiance.pixels[i] = vec4(mean, 1.0f);
+        if (receivers.orders[i] > shared::DIFFUSE_ORDER && !splat.specular.empty()) {
+            const vec3 scale = glm::max(receivers.lobes.scale[i], vec3(1e-12f));
+            const vec3 reflected = receivers.specularAlbedo(i) * mean / kPi;
+            splat.specular.pixels[i] = vec4(reflected / scale, 0.0f);
+        }
+    }
+}
+
+// Receivers that no record serves are served by those whose reach is made longer, or by the mean of
+// all others. How many there were.
+int serveAll(SceneState& state, const ViewState& view, RecordCache cache,
+             const PlacementParams& how, SplatBuffer& splat) {
+    const WeightParams weight = how.servingWeight();
+    std::vector<size_t> missed;
+    for (size_t i = 0; i < splat.irradiance.pixels.size(); ++i) {
+        if (view.receivers.seen(i) && !isServed(splat, i)) {
+            missed.push_back(i);
+        }
+    }
+    const auto count = static_cast<int>(missed.size());
+    if (missed.empty() || cache.records.empty()) {
+        return count;
+    }
+    for (Record& record : cache.records) {
+        record.radius *= kFarther;
+        boundGradients(record, cache.sh.data() + record.sh_first, weight.accuracy * record.radius,
+                       how.gradient_limit);
+    }
+    const SplatBuffer farther = splatView(state, view, cache, weight);
+    std::erase_if(missed, [&](size_t i) {
+        if (!isServed(farther, i)) {
+            return false;
+        }
+        splat.irradiance.pixels[i] = farther.irradiance.pixels[i];
+        if (!splat.specular.empty()) {
+            splat.specular.pixels[i] = farther.specular.pixels[i];
+        }
+        return true;
+    });
+    serveByMean(view.receivers, missed, splat);
+    return count;
+}
+
+// The size that the next view begins with, where this one's beginning took so many times the time
+// there was for it.
+int nextSize(int divisor, double took) {
+    constexpr double kMuch = 1.5, kLittle = 0.4;
+    return took > kMuch     ? std::min(2 * divisor, kCoarsest)
+           : took < kLittle ? std::max(divisor / 2, kFinest)
+                            : divisor;
+}
+
+// A view at one size, while records are placed for it.
+struct Level {
+    const RenderParams params;
+    const PlacementParams how;
+    ViewState view;
+    std::unique_ptr<Gatherer> gatherer;
+    PlacedRecords placed;
+    Scan scan;
+    const size_t began_with;  // records
+    bool full = false;
+
+    Level(SceneState& state, const RenderParams& params_, KeptRecords* kept, StageSeconds& seconds)
+        : params(params_),
+          how(howOf(params_)),
+          view(state, params_, seconds, kept),
+          gatherer(prepare(state)),
+          placed(state.scene, view.receivers, how, view.field),
+          scan(view.receivers, how, view.field.records.empty(), true),
+          began_with(view.field.records.size()) {}
+
+    static PlacementParams howOf(const RenderParams& params) {
+        PlacementParams how = placementOf(params, params.placement.accuracy);
+        how.batch = kBatch;
+        return how;
+    }
+    std::unique_ptr<Gatherer> prepare(SceneState& state) {
+        const HemisphereParams hemisphere = hemisphereOf(params.gather, state.road, how.accuracy);
+        prepareField(view, how, hemisphere.size, true);
+        return makeGatherer(state, view, hemisphere);
+    }
+};
+
+}  // namespace
+
+struct LiveImage::State {
+    Scene scene;
+    RenderParams params;
+    std::string recipe;
+    std::unique_ptr<SceneState> built;
+    KeptRecords kept;
+    std::unique_ptr<Level> level;
+    int divisor = kCoarsest;  // of the level
+    int begin_at = kCoarsest;
+    bool changed = true;
+    bool shown = false;         // whether the frame is that of the level as it is
+    double show_seconds = 0.0;  // what showing took last
+    Frame frame;
+    LiveProgress progress;
+    std::vector<LiveMark> marks;
+    Image<float> orders;
+
+    // Ends the level; its records are kept.
+    void retire() {
+        if (level) {
+            kept.put(std::move(level->view.field));
+            level.reset();
+        }
+    }
+    void forget() {
+        level.reset();
+        kept = {};
+    }
+    RenderParams paramsOf(int of_divisor) const {
+        RenderParams p = params;
+        p.width = std::max(params.width / of_divisor, 1);
+        p.height = std::max(params.height / of_divisor, 1);
+        p.aa = 1;
+        if (of_divisor > 1) {
+            p.specular.rays_per_alpha *= kCoarseRays;
+        }
+        return p;
+    }
+    void begin(int at) {
+        retire();
+        divisor = at;
+        shown = false;
+        if (!built) {
+            built = std::make_unique<SceneState>(scene, params.gather_road, progress.seconds);
+        }
+        level = std::make_unique<Level>(*built, paramsOf(at), &kept, progress.seconds);
+    }
+    RenderParams paramsOfWhole() const {
+        RenderParams p = params;
+        p.all_layers = true;
+        p.specular.pixel_area = p.aa > 1;
+        return p;
+    }
+    // Places records for about so many seconds of the timer, and shows what there is.
+    void fill(const Timer& timer, double seconds);
+    void show();
+    void finish();
+};
+
+LiveImage::LiveImage(Scene scene, const RenderParams& params) : s_(std::make_unique<State>()) {
+    s_->scene = std::move(scene);
+    const Camera seen = viewOf(s_->scene, params);
+    s_->scene.cameras.push_back(seen);
+    setParams(params);
+}
+
+LiveImage::~LiveImage() = default;
+
+const Scene& LiveImage::scene() const { return s_->scene; }
+const RenderParams& LiveImage::params() const { return s_->params; }
+const Camera& LiveImage::camera() const { return s_->scene.cameras.back(); }
+const Frame& LiveImage::frame() const { return s_->frame; }
+const LiveProgress& LiveImage::progress() const { return s_->progress; }
+const std::vector<LiveMark>& LiveImage::marks() const { return s_->marks; }
+const Image<float>& LiveImage::orders() const { return s_->orders; }
+bool LiveImage::done() const { return !s_->changed && s_->progress.complete; }
+
+void LiveImage::look(const Camera& camera) {
+    s_->scene.cameras.back() = camera;
+    s_->changed = true;
+}
+
+void LiveImage::setParams(const RenderParams& params) {
+    const bool cached = params.method == Method::kRadiance || params.method == Method::kIrradiance;
+    if (!cached || params.gather_road != GatherRoad::kRays) {
+        throwUsage("--method: what is looked at live is radiance or irradiance by rays");
+    }
+    checkRenderMemory(s_->scene, params);
+    RenderParams wanted = params;
+    wanted.quiet = true;
+    // Photons belong to a view, and would be traced again for each.
+    wanted.caustics = 0;
+    wanted.camera = std::to_string(s_->scene.cameras.size() - 1);
+    const std::string recipe = recordRecipe(wanted);
+    if (recipe != s_->recipe) {
+        s_->forget();
+        s_->recipe = recipe;
+    }
+    s_->params = wanted;
+    s_->changed = true;
+}
+
+void LiveImage::edit(const std::function<void(Scene&)>& change) {
+    s_->forget();
+    change(s_->scene);
+    if (s_->built) {
+        s_->built->relight();
+    }
+    s_->changed = true;
+}
+
+void LiveImage::step(double seconds) {
+    const Timer timer;
+    State& s = *s_;
+    if (done()) {
+        return;
+    }
+    s.progress.seconds = {};
+    if (!s.changed && s.level->full && s.divisor == 1) {
+        s.finish();
+    } else {
+        const bool began = std::exchange(s.changed, false);
+        if (began) {
+            s.progress.complete = false;
+            s.begin(s.begin_at);
+        } else if (s.level->full) {
+            s.begin(s.divisor / 2);
+        }
+        s.fill(timer, began ? seconds : std::max(seconds, kFillOverShow * s.show_seconds));
+        if (began) {
+            s.begin_at = nextSize(s.begin_at, timer.seconds() / seconds);
+        }
+    }
+    s.progress.seconds.total = timer.seconds();
+}
+
+void LiveImage::State::fill(const Timer& timer, double seconds) {
+    const GatherSeconds before = level->gatherer->seconds();
+    const Timer fill_timer;
+    while (!level->full) {
+        level->full =
+            !fillOnce(scene, level->placed, level->scan, *level->gatherer, level->view.field);
+        shown = false;
+        if (timer.seconds() >= seconds) {
+            break;
+        }
+    }
+    const GatherSeconds after = level->gatherer->seconds();
+    progress.seconds.gather += after.see - before.see;
+    progress.seconds.project += after.project - before.project;
+    progress.seconds.placement +=
+        fill_timer.seconds() - (after.see - before.see) - (after.project - before.project);
+    if (!shown) {
+        show();
+    }
+}
+
+// What a level leaves out: edges, surfaces that light passes, an estimate of the error.
+void LiveImage::State::finish() {
+    retire();
+    RenderResult result = renderByCache(*built, paramsOfWhole(), &kept);
+    frame = std::move(result.frame);
+    frame.shows_sky = scene.environment.shows();
+    progress.seconds = result.stats.seconds;
+    progress.records = result.stats.records;
+    progress.records_new = result.stats.records - result.stats.records_reused;
+    progress.estimated_rel_rmse = result.stats.estimated_rel_rmse;
+    progress.complete = true;
+}
+
+void LiveImage::State::show() {
+    const Timer show_timer;
+    const RecordCache cache = level->placed.handOver();
+    const WeightParams weight = level->how.servingWeight();
+    const Timer splat_timer;
+    SplatBuffer splat = splatView(*built, level->view, cache, weight);
+    progress.uncovered = level->full ? 0 : serveAll(*built, level->view, cache, level->how, splat);
+    progress.seconds.splat += splat_timer.seconds();
+    const Timer compose_timer;
+    frame = {};
+    compose(level->view.receivers, splat, specularByRays(level->view, splat), true, frame);
+    for (size_t i = 0; i < level->view.of_coats.pixels.size(); ++i) {
+        frame.indirect.pixels[i] += level->view.of_coats.pixels[i];
+    }
+    frame.shows_sky = scene.environment.shows();
+    progress.seconds.compose += compose_timer.seconds();
+    progress.width = level->params.width;
+    progress.height = level->params.height;
+    progress.records = static_cast<int>(cache.records.size());
+    progress.records_new = static_cast<int>(level->view.field.records.size() - level->began_with);
+    progress.estimated_rel_rmse = std::numeric_limits<double>::quiet_NaN();
+    marks.clear();
+    for (const Record& k : cache.records) {
+        marks.push_back({k.position, k.normal, weight.accuracy * k.radius, k.order});
+    }
+    const Receivers& receivers = level->view.receivers;
+    orders = Image<float>(progress.width, progress.height);
+    for (size_t i = 0; i < orders.pixels.size(); ++i) {
+        orders.pixels[i] = std::max(static_cast<float>(receivers.orders[i]), 0.0f);
+    }
+    show_seconds = show_timer.seconds();
+    shown = true;
+}
+
+}  // namespace sheen

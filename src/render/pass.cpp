@@ -1,0 +1,236 @@
+#include "render/pass.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "cache/estimate.h"
+#include "cache/probes.h"
+#include "core/timer.h"
+#include "gather/raster_gather.h"
+#include "gather/ray_gather.h"
+#include "gl/objects.h"
+
+namespace sheen {
+namespace {
+
+// The software rasteriser keeps what it last drew to, deleted or not, until it draws elsewhere.
+void dropTargets() {
+    const gl::Texture texel = gl::makeTexture2d(GL_RGBA32F, 1, 1);
+    const GLuint name = texel.name();
+    const gl::Framebuffer target = gl::makeFramebuffer({&name, 1}, 0);
+    const float black[4] = {};
+    gl::glClearNamedFramebufferfv(target.name(), GL_COLOR, 0, black);
+    gl::glFinish();
+}
+
+}  // namespace
+
+HemisphereParams hemisphereOf(const HemisphereParams& wanted, GatherRoad road, float accuracy) {
+    HemisphereParams hemisphere = wanted;
+    if (hemisphere.size == 0) {
+        hemisphere.size = gatherSize(road, accuracy, hemisphere.kind);
+    }
+    if (hemisphere.extent == 0.0f) {
+        hemisphere.extent = gatherExtent(hemisphere.kind);
+    }
+    return hemisphere;
+}
+
+PlacementParams placementOf(const RenderParams& params, float accuracy) {
+    PlacementParams how = params.placement;
+    how.accuracy = accuracy;
+    if (how.min_pixels == 0.0f) {
+        how.min_pixels = leastReach(accuracy);
+    }
+    return how;
+}
+
+void prepareField(ViewState& view, const PlacementParams& how, int gather_size, bool first) {
+    constexpr float kMuchCoarser = 0.7f;
+    if (view.kept != nullptr && first) {
+        view.field = view.kept->take(view.receivers, how);
+    }
+    if (static_cast<float>(view.field.gather_size) <
+        kMuchCoarser * static_cast<float>(gather_size)) {
+        view.field = {};
+        view.field.gather_size = gather_size;
+    }
+}
+
+std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const ViewState& view,
+                                       const HemisphereParams& hemisphere) {
+    const bool without_caustics = !view.caustic.empty();
+    switch (state.road) {
+        case GatherRoad::kRays:
+            return std::make_unique<RayGatherer>(*view.outgoing, hemisphere, without_caustics);
+        case GatherRoad::kRaster:
+            return std::make_unique<RasterGatherer>(state.pool, state.gpu, hemisphere);
+    }
+    throw std::logic_error("unknown road");
+}
+
+SplatBuffer splatView(SceneState& state, const ViewState& view, const RecordCache& cache,
+                      const WeightParams& weight) {
+    SplatBuffer splat = splatGpu(state.pool, view.receivers, cache, weight);
+    state.pool.runOnFirst(dropTargets);
+    return splat;
+}
+
+Image<vec3> specularByRays(const ViewState& view, const SplatBuffer& splat) {
+    if (view.specular.pixels.empty()) {
+        return {};
+    }
+    return reflectSpecular(view.receivers, view.specular, cachedSpecular(view.receivers, splat));
+}
+
+namespace {
+
+// How wrong the image is: by the records, and by probes, which cast rays whatever road the records
+// took. Probes cost a twentieth of the records, up to what is enough.
+ErrorEstimate judge(const SceneState& state, const RenderParams& params, const ViewState& view,
+                    const RecordCache& cache, const WeightParams& weight,
+                    const HemisphereParams& hemisphere, const Image<vec3>& indirect) {
+    constexpr size_t kRecordsPerProbe = 40;
+    constexpr size_t kFewest = 32;
+    constexpr size_t kEnough = 400;
+    const NeighbourErrors errors =
+        neighbourErrors(view.receivers, cache, view.field.pixels, weight, indirect);
+    std::vector<Probe> probes = chooseProbes(
+        errors, view.receivers, indirect,
+        static_cast<int>(std::clamp(cache.records.size() / kRecordsPerProbe, kFewest, kEnough)));
+    HemisphereParams seen = hemisphere;
+    seen.kind = HemisphereKind::kHemicube;
+    if (state.road != GatherRoad::kRays) {
+        seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
+    }
+    const bool without_caustics = !view.caustic.empty();
+    SpecularParams specular = params.specular;
+    specular.caustics_apart = without_caustics;
+    RayGatherer gatherer(*view.outgoing, seen, without_caustics);
+    gatherProbes(state.scene, view.receivers, view.field, gatherer, *view.outgoing, specular,
+                 probes);
+    return estimateError(errors, probes, view.receivers, indirect);
+}
+
+// Places records, and adds what that took to the stages' seconds, also where it takes too long.
+Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& how,
+                     const HemisphereParams& hemisphere, bool quiet, double at_most,
+                     StageSeconds& seconds) {
+    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
+    const Timer timer;
+    const auto account = [&] {
+        const GatherSeconds gathered = gatherer->seconds();
+        seconds.gather += gathered.see;
+        seconds.project += gathered.project;
+        seconds.placement += timer.seconds() - gathered.see - gathered.project;
+    };
+    try {
+        Placement placement =
+            placeRecords(state.scene, view.receivers, how, *gatherer, view.field, quiet, at_most);
+        account();
+        return placement;
+    } catch (const OutOfTime&) {
+        account();
+        throw;
+    }
+}
+
+// What records say of the strays of edges, and records of their own of those that none serves.
+SplatBuffer splatStrays(SceneState& state, const ViewState& view, const RecordCache& cache,
+                        const PlacementParams& how, const HemisphereParams& hemisphere,
+                        RenderStats& stats) {
+    const Receivers& strays = view.edges->strays;
+    SplatBuffer splat = splatCpu(strays, cache, how.servingWeight());
+    std::vector<size_t> missed;
+    for (size_t i = 0; i < splat.irradiance.pixels.size(); ++i) {
+        if (strays.seen(i) && splat.irradiance.pixels[i].w <= shared::MIN_WEIGHT_SUM) {
+            missed.push_back(i);
+        }
+    }
+    const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
+    const RecordCache own = recordsAt(state.scene, strays, missed, how, *gatherer);
+    const SplatBuffer by_own = splatCpu(strays, own, how.servingWeight());
+    for (const size_t i : missed) {
+        splat.irradiance.pixels[i] = by_own.irradiance.pixels[i];
+        splat.specular.pixels[i] = by_own.specular.pixels[i];
+        splat.missed.pixels[i] = by_own.missed.pixels[i];
+    }
+    stats.edge_records = static_cast<int>(missed.size());
+    return splat;
+}
+
+// What samples of edges see, for what their pixels' middles do.
+ComposeCounts smoothEdges(SceneState& state, const ViewState& view, const RecordCache& cache,
+                          const PlacementParams& how, const HemisphereParams& hemisphere,
+                          const LitReceivers& pixels, RenderResult& result) {
+    const Receivers& strays = view.edges->strays;
+    const SplatBuffer splat = splatStrays(state, view, cache, how, hemisphere, result.stats);
+    Image<vec3> specular;
+    if (!view.stray_specular.pixels.empty()) {
+        specular =
+            reflectSpecular(strays, view.stray_specular, cachedSpecular(strays, splat), false);
+    }
+    result.stats.pixels_edges = static_cast<int>(view.edges->pixels.size());
+    return blendEdges(*view.edges, pixels, {strays, splat, specular}, result.frame);
+}
+
+void tell(const Placement& placement, const ErrorEstimate& estimate, const ComposeCounts& counts,
+          RenderStats& stats) {
+    stats.records = static_cast<int>(placement.cache.records.size());
+    stats.estimated_rel_rmse = estimate.rel_rmse;
+    stats.estimate_low = estimate.low;
+    stats.estimate_high = estimate.high;
+    stats.passes += 1;
+    stats.pixels_uncovered = placement.uncovered;
+    stats.nonfinite_pixels = counts.nonfinite;
+    stats.negative_pixels = counts.negative;
+}
+
+}  // namespace
+
+void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
+                RenderResult& result) {
+    const PlacementParams how = placementOf(params, pass.accuracy);
+    const HemisphereParams hemisphere = hemisphereOf(params.gather, state.road, pass.accuracy);
+
+    RenderStats& stats = result.stats;
+    StageSeconds& seconds = stats.seconds;
+    prepareField(view, how, hemisphere.size, stats.passes == 0);
+    const Placement placement =
+        placeTimed(state, view, how, hemisphere, params.quiet, pass.seconds, seconds);
+
+    const Timer splat_timer;
+    SplatBuffer splat = splatView(state, view, placement.cache, how.servingWeight());
+    seconds.splat += splat_timer.seconds();
+
+    const Timer compose_timer;
+    Image<vec3> specular = specularByRays(view, splat);
+    ComposeCounts counts =
+        compose(view.receivers, splat, specular, params.all_layers, result.frame);
+    if (!view.edges) {
+        splat = {};
+        specular = {};
+    }
+    const ErrorEstimate estimate = judge(
+        state, params, view, placement.cache, how.servingWeight(), hemisphere,
+        view.receivers.irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
+    if (view.edges) {
+        counts.add(smoothEdges(state, view, placement.cache, how, hemisphere,
+                               {view.receivers, splat, specular}, result));
+    }
+    result.frame.caustic = view.caustic;
+    for (size_t i = 0; i < view.of_coats.pixels.size(); ++i) {
+        result.frame.indirect.pixels[i] += view.of_coats.pixels[i];
+    }
+    if (params.all_layers) {
+        result.frame.records = countRecords(view.receivers, placement.cache, how.servingWeight());
+    }
+    seconds.compose += compose_timer.seconds();
+
+    stats.accuracy = pass.accuracy;
+    stats.gather_size = hemisphere.size;
+    tell(placement, estimate, counts, stats);
+    stats.records_reused = static_cast<int>(view.field.reused);
+}
+
+}  // namespace sheen

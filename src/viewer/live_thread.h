@@ -1,0 +1,102 @@
+// A live image on a thread of its own, so that the window answers while records are gathered.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/timer.h"
+#include "image/tonemap.h"
+#include "render/live.h"
+
+namespace sheen {
+
+/// What of the image is shown.
+enum class Channel {
+    kImage,
+    kDirect,
+    kIndirect,
+    kAlbedo,
+    kNormal,
+    kDepth,
+    kRoughness,
+    kWeight,
+    kOrder
+};
+
+struct DisplaySettings {
+    std::optional<float> exposure;  ///< stops; none: by the image when it is complete
+    ToneCurve tone = ToneCurve::kNeutral;
+    float direct = 1.0f, indirect = 1.0f;  ///< weights
+    Channel channel = Channel::kImage;
+    bool marks = false;  ///< whether records are to be marked
+
+    bool operator==(const DisplaySettings&) const = default;
+};
+
+/// What the window shows; never changes.
+struct Shown {
+    Image<Rgb8> pixels;
+    LiveProgress progress;
+    Camera camera;
+    float exposure = 0.0f;  ///< stops that it was shown with
+    bool lit = false;       ///< by some indirect light
+    std::vector<LiveMark> marks;
+    double at = 0.0;  ///< seconds since the thread began
+    int number = 0;   ///< of the steps
+};
+
+class LiveThread {
+  public:
+    /// `budget`: seconds of a step.
+    LiveThread(std::unique_ptr<LiveImage> image, double budget);
+    ~LiveThread();
+    LiveThread(const LiveThread&) = delete;
+    LiveThread& operator=(const LiveThread&) = delete;
+
+    /// Runs a job between two steps; of those not yet run that replace each other (the same key,
+    /// above 0) the last one alone. An Error that it throws is kept for error().
+    void post(std::function<void(LiveImage&)> job, int key = 0);
+    void display(const DisplaySettings& settings);
+
+    /// The newest; null before the first.
+    std::shared_ptr<const Shown> shown() const;
+    /// Whether nothing is left to be done.
+    bool idle() const;
+    /// What went wrong last, once.
+    std::string error();
+
+  private:
+    struct Job {
+        std::function<void(LiveImage&)> run;
+        int key;
+    };
+    void work();
+    void runJobs(std::vector<Job> jobs);
+    bool show(const DisplaySettings& settings);
+
+    const std::unique_ptr<LiveImage> image_;
+    const double budget_;
+    const Timer timer_;
+    mutable std::mutex mutex_;
+    std::condition_variable wake_;
+    std::vector<Job> jobs_;
+    DisplaySettings settings_;
+    bool redisplay_ = false, stopping_ = false, idle_ = false;
+    std::shared_ptr<const Shown> shown_;
+    std::string error_;
+    // The thread's own.
+    Image<vec3> seen_;  // as it is shown: follows the image in small steps
+    Camera seen_by_;
+    float exposure_ = 0.0f;
+    bool exposed_ = false;
+    int steps_ = 0;
+    std::thread thread_;
+};
+
+}  // namespace sheen

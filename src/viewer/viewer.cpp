@@ -1,0 +1,493 @@
+#include "viewer/viewer.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "core/error.h"
+#include "core/timer.h"
+#include "image/exr.h"
+#include "image/png.h"
+#include "raster/gbuffer.h"
+#include "viewer/panels.h"
+#include "viewer/window.h"
+
+namespace sheen {
+namespace {
+
+constexpr double kStepSeconds = 1.0 / 30.0;
+// How long the window waits for a hand, or a new image; the longer where none is being made.
+constexpr double kWait = 1.0 / 60.0, kIdleWait = 0.2;
+
+// Jobs that replace each other (LiveThread::post()).
+enum JobKey { kCameraJob = 1, kParamsJob, kLightsJob, kMaterialsJob };
+
+// The camera of frame i of `count` of the benchmark: a curve about what is looked at.
+Camera onPath(CameraControl control, int i, int count) {
+    const float t = 2.0f * kPi * static_cast<float>(i) / static_cast<float>(count);
+    control.orbit(0.4f * std::sin(t), 0.1f * std::sin(2.0f * t));
+    return control.camera();
+}
+
+// Flies and measures: first the image as it stands, then the path twice.
+class Benchmark {
+  public:
+    Benchmark(int frames, const CameraControl& start) : frames_(frames), start_(start) {}
+
+    /// To be called once for each new image; whether it is over.
+    bool follow(const Shown& shown, LiveThread& live) {
+        if (figures_.seconds_to_first == 0.0 && shown.lit) {
+            figures_.seconds_to_first = shown.at;
+        }
+        figures_.records = std::max(figures_.records, shown.progress.records);
+        if (phase_ == 0) {
+            if (!shown.progress.complete) {
+                return false;
+            }
+            figures_.seconds_to_full = shown.at;
+            begin(shown, live);
+            return false;
+        }
+        if (++frame_ <= frames_) {
+            go(live);
+            return false;
+        }
+        (phase_ == 1 ? figures_.fps_fill : figures_.fps_full) =
+            static_cast<double>(frames_) / std::max(shown.at - began_, 1e-9);
+        if (phase_ == 2) {
+            return true;
+        }
+        begin(shown, live);
+        return false;
+    }
+    const ViewerFigures& figures() const { return figures_; }
+
+  private:
+    void begin(const Shown& shown, LiveThread& live) {
+        ++phase_;
+        frame_ = 1;
+        began_ = shown.at;
+        go(live);
+    }
+    void go(LiveThread& live) const {
+        const Camera camera = onPath(start_, frame_, frames_);
+        live.post([camera](LiveImage& image) { image.look(camera); }, kCameraJob);
+    }
+
+    const int frames_;
+    const CameraControl start_;
+    ViewerFigures figures_;
+    int phase_ = 0, frame_ = 0;
+    double began_ = 0.0;
+};
+
+bool hasExtension(const std::string& path, const std::string& extension) {
+    std::string own = std::filesystem::path(path).extension().string();
+    std::transform(own.begin(), own.end(), own.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return own == extension;
+}
+
+// The first name "STEM-1.EXTENSION", "STEM-2..." in the current folder that no file has.
+std::string freeName(const std::string& scene, const char* extension) {
+    const std::string stem = std::filesystem::path(scene).stem().string();
+    for (int i = 1;; ++i) {
+        std::string name = fmt::format("{}-{}.{}", stem, i, extension);
+        if (!std::filesystem::exists(name)) {
+            return name;
+        }
+    }
+}
+
+// A scene that is looked at.
+struct Opened {
+    std::string file;
+    CameraControl control;
+    ViewerState state;
+    std::unique_ptr<LiveThread> live;
+
+    Opened(const ViewerParams& params, const std::string& path, const ivec2& size)
+        : Opened(params, path, size, loadWarned(path, params.load)) {}
+
+  private:
+    static Scene loadWarned(const std::string& path, const LoadParams& load) {
+        Scene scene = loadScene(path, load);
+        for (const std::string& warning : scene.warnings) {
+            warn(warning);
+        }
+        return scene;
+    }
+    static RenderParams sized(RenderParams render, const ivec2& size) {
+        render.width = std::max(size.x, 1);
+        render.height = std::max(size.y, 1);
+        return render;
+    }
+    Opened(const ViewerParams& params, const std::string& path, const ivec2& size, Scene scene)
+        : file(path),
+          control(viewOf(scene, params.render), scene.bounds),
+          state(stateOf(scene, sized(params.render, size), params.display)) {
+        auto image = std::make_unique<LiveImage>(std::move(scene), state.render);
+        live = std::make_unique<LiveThread>(std::move(image), kStepSeconds);
+        live->display(state.display);
+    }
+};
+
+class Viewer {
+  public:
+    explicit Viewer(const ViewerParams& params)
+        : params_(params),
+          window_(params.render.width, params.render.height, "Sheen"),
+          size_(window_.pixels()) {
+        open(params.scene);
+        if (params.benchmark > 0) {
+            benchmark_.emplace(params.benchmark, opened_->control);
+        }
+    }
+
+    std::optional<ViewerFigures> run() {
+        while (window_.open()) {
+            frame();
+        }
+        if (!benchmark_) {
+            return std::nullopt;
+        }
+        ViewerFigures figures = benchmark_->figures();
+        figures.seconds_gbuffer = gbufferSeconds();
+        return figures;
+    }
+
+  private:
+    void open(const std::string& path) {
+        auto opened = std::make_unique<Opened>(params_, path, size_);
+        opened_ = std::move(opened);
+        shown_.reset();
+        held_.reset();
+        window_.setTitle(
+            fmt::format("Sheen - {}", std::filesystem::path(path).filename().string()));
+    }
+
+    double gbufferSeconds() const {
+        const Scene scene = loadScene(params_.scene, params_.load);
+        const Tracer tracer(scene);
+        constexpr int kYardstick = 512;
+        const Timer timer;
+        renderGBuffer(tracer, viewOf(scene, params_.render), kYardstick, kYardstick);
+        return timer.seconds();
+    }
+
+    void frame() {
+        const std::shared_ptr<const Shown> newest = opened_->live->shown();
+        const bool fresh = newest && newest != shown_;
+        shown_ = newest;
+        if (fresh) {
+            followNewImage();
+        }
+        const Image<Rgb8>* image = shown_ ? &shown_->pixels : nullptr;
+        if (held_ && showing_held_) {
+            image = &*held_;
+        }
+        const double wait = fresh ? 0.0 : opened_->live->idle() ? kIdleWait : kWait;
+        window_.draw(
+            image, [this, fresh] { interface(fresh); }, wait);
+        resize();
+        for (const std::string& path : window_.dropped()) {
+            drop(path);
+        }
+        if (std::string error = opened_->live->error(); !error.empty()) {
+            tell(std::move(error));
+        }
+    }
+
+    void followNewImage() {
+        if (benchmark_ && benchmark_->follow(*shown_, *opened_->live)) {
+            window_.close();
+        }
+        const bool wanted = params_.screenshot_after > 0
+                                ? shown_->number >= params_.screenshot_after
+                                : shown_->progress.complete;
+        if (!params_.screenshot.empty() && wanted && !screenshot_taken_) {
+            screenshot_taken_ = true;
+            writePng(params_.screenshot, shown_->pixels);
+            window_.close();
+        }
+    }
+
+    void tell(std::string message) {
+        say(fmt::format("sheen: {}\n", message));
+        opened_->state.message = std::move(message);
+    }
+
+    // A scene is opened, an image of a render held to compare with; what is neither, or broken,
+    // leaves all as it is.
+    void drop(const std::string& path) {
+        try {
+            if (hasExtension(path, ".exr")) {
+                const LoadedExr exr = readExr(path);
+                hold(displayImage(colorLayer(exr, "beauty"),
+                                  shown_ ? std::optional(shown_->exposure) : std::nullopt,
+                                  opened_->state.display.tone));
+                tell(fmt::format("{}: held to compare with; B shows it", path));
+            } else {
+                open(path);
+            }
+        } catch (const Error& e) {
+            tell(e.what());
+        }
+    }
+
+    void hold(Image<Rgb8> image) {
+        held_ = std::move(image);
+        showing_held_ = false;
+    }
+
+    void resize() {
+        const ivec2 size = window_.pixels();
+        if (size == size_ || size.x < 1 || size.y < 1) {
+            return;
+        }
+        size_ = size;
+        opened_->state.render.width = size.x;
+        opened_->state.render.height = size.y;
+        postParams();
+    }
+
+    void postParams() {
+        const RenderParams render = opened_->state.render;
+        opened_->live->post([render](LiveImage& image) { image.setParams(render); }, kParamsJob);
+    }
+
+    void postCamera() {
+        const Camera camera = opened_->control.camera();
+        opened_->live->post([camera](LiveImage& image) { image.look(camera); }, kCameraJob);
+    }
+
+    void goTo(const Camera& camera) {
+        Bounds around;
+        const float size = opened_->control.scale();
+        around.lower = vec3(camera.world_from_camera[3]) - 0.5f * vec3(size);
+        around.upper = vec3(camera.world_from_camera[3]) + 0.5f * vec3(size);
+        opened_->control = CameraControl(camera, around);
+        postCamera();
+    }
+
+    void savePng() {
+        if (!shown_) {
+            return;
+        }
+        const std::string path = freeName(opened_->file, "png");
+        try {
+            writePng(path, shown_->pixels);
+            tell(fmt::format("wrote {}", path));
+        } catch (const Error& e) {
+            tell(e.what());
+        }
+    }
+
+    void saveExr() {
+        const std::string path = freeName(opened_->file, "exr");
+        opened_->live->post(
+            [path](LiveImage& image) { writeExr(path, image.frame(), ExrLayers::kBasic); });
+        tell(fmt::format("writing {}", path));
+    }
+
+    void sayCamera() {
+        const vec3 eye = opened_->control.eye();
+        const vec3 target = opened_->control.target();
+        tell(fmt::format("--camera-at {},{},{} --look-at {},{},{} --fov {}", eye.x, eye.y, eye.z,
+                         target.x, target.y, target.z, glm::degrees(opened_->control.yFov())));
+    }
+
+    void interface(bool fresh) {
+        ViewerState& state = opened_->state;
+        if (state.records && shown_) {
+            const ImVec2 size = ImGui::GetIO().DisplaySize;
+            drawMarks(*shown_, {size.x, size.y});
+        }
+        const Wishes wishes = drawPanels(state, fresh ? shown_.get() : nullptr, shown_.get(),
+                                         opened_->control.yFov());
+        apply(wishes);
+        followKeys();
+        followMouse();
+        state.display.marks = state.records;
+        opened_->live->display(state.display);
+    }
+
+    void apply(const Wishes& wishes) {
+        const ViewerState& state = opened_->state;
+        if (wishes.render) {
+            postParams();
+        }
+        if (wishes.lights) {
+            const auto lights = state.lights;
+            opened_->live->post(
+                [lights](LiveImage& image) {
+                    image.edit([&](Scene& scene) { scene.lights = lights; });
+                },
+                kLightsJob);
+        }
+        if (wishes.materials) {
+            const auto materials = state.materials;
+            opened_->live->post(
+                [materials](LiveImage& image) {
+                    image.edit([&](Scene& scene) {
+                        for (size_t i = 0; i < materials.size(); ++i) {
+                            scene.materials[i].params = materials[i];
+                        }
+                    });
+                },
+                kMaterialsJob);
+        }
+        if (wishes.camera >= 0) {
+            goTo(state.cameras[static_cast<size_t>(wishes.camera)]);
+        }
+        if (wishes.y_fov > 0.0f) {
+            opened_->control.setYFov(wishes.y_fov);
+            postCamera();
+        }
+        if (wishes.save_png) {
+            savePng();
+        }
+        if (wishes.save_exr) {
+            saveExr();
+        }
+        if (wishes.save_camera) {
+            sayCamera();
+        }
+    }
+
+    void followKeys() {
+        if (ImGui::GetIO().WantTextInput) {
+            return;
+        }
+        ViewerState& state = opened_->state;
+        const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+        if (pressed(GLFW_KEY_ESCAPE)) {
+            window_.close();
+        }
+        if (pressed(GLFW_KEY_TAB)) {
+            state.panel = !state.panel;
+        }
+        if (pressed(GLFW_KEY_R)) {
+            state.records = !state.records;
+        }
+        if (pressed(GLFW_KEY_C)) {
+            state.display.channel = nextChannel(state.display.channel);
+        }
+        if (pressed(GLFW_KEY_P)) {
+            savePng();
+        }
+        if (pressed(GLFW_KEY_SLASH) && ImGui::GetIO().KeyShift) {
+            state.shortcuts = !state.shortcuts;
+        }
+        if (pressed(GLFW_KEY_B)) {
+            compareNext();
+        }
+        const bool finer = pressed(GLFW_KEY_LEFT_BRACKET);
+        if (finer || pressed(GLFW_KEY_RIGHT_BRACKET)) {
+            float& accuracy = state.render.placement.accuracy;
+            accuracy = std::clamp(accuracy * (finer ? 0.8f : 1.25f), 0.05f, 2.0f);
+            postParams();
+        }
+        for (int i = 0; i < 9; ++i) {
+            const auto camera = static_cast<size_t>(i);
+            if (pressed(GLFW_KEY_1 + i) && camera < state.cameras.size()) {
+                goTo(state.cameras[camera]);
+            }
+        }
+        fly();
+    }
+
+    void fly() {
+        const auto along = [](int plus, int minus) {
+            return (ImGui::IsKeyDown(plus) ? 1.0f : 0.0f) - (ImGui::IsKeyDown(minus) ? 1.0f : 0.0f);
+        };
+        const vec3 direction(along(GLFW_KEY_D, GLFW_KEY_A), along(GLFW_KEY_E, GLFW_KEY_Q),
+                             along(GLFW_KEY_W, GLFW_KEY_S));
+        if (direction == vec3(0.0f)) {
+            return;
+        }
+        constexpr float kSpeed = 0.15f, kFast = 4.0f;  // sizes of the scene a second
+        constexpr float kLongest = 0.1f;               // of a frame, seconds
+        const float seconds = std::min(ImGui::GetIO().DeltaTime, kLongest);
+        const float step = kSpeed * (ImGui::GetIO().KeyShift ? kFast : 1.0f) * seconds;
+        opened_->control.move(step * opened_->control.scale() * direction);
+        postCamera();
+    }
+
+    void followMouse() {
+        const ImGuiIO& io = ImGui::GetIO();
+        if (io.WantCaptureMouse) {
+            return;
+        }
+        constexpr float kTurn = 0.005f;  // radians a unit of the window
+        constexpr float kNearer = 0.9f;  // a notch of the wheel
+        const vec2 moved(io.MouseDelta.x, io.MouseDelta.y);
+        CameraControl& control = opened_->control;
+        bool changed = false;
+        if (ImGui::IsMouseDown(ImGuiMouseButton_Left) && moved != vec2(0.0f)) {
+            control.orbit(kTurn * moved.x, -kTurn * moved.y);
+            changed = true;
+        }
+        if (ImGui::IsMouseDown(ImGuiMouseButton_Right) && moved != vec2(0.0f)) {
+            control.turn(kTurn * moved.x, -kTurn * moved.y);
+            changed = true;
+        }
+        if (ImGui::IsMouseDown(ImGuiMouseButton_Middle) && moved != vec2(0.0f)) {
+            const float unit =
+                2.0f * std::tan(0.5f * control.yFov()) / std::max(io.DisplaySize.y, 1.0f);
+            const float way = unit * glm::length(control.target() - control.eye());
+            control.move({-way * moved.x, way * moved.y, 0.0f});
+            changed = true;
+        }
+        if (io.MouseWheel != 0.0f) {
+            control.approach(std::pow(kNearer, io.MouseWheel));
+            changed = true;
+        }
+        if (changed) {
+            postCamera();
+        }
+    }
+
+    static Channel nextChannel(Channel channel) {
+        return channel == Channel::kOrder ? Channel::kImage
+                                          : static_cast<Channel>(static_cast<int>(channel) + 1);
+    }
+
+    // Holds what is seen; shows it; lets it go.
+    void compareNext() {
+        if (!held_ && shown_) {
+            hold(shown_->pixels);
+            tell("held; B shows it");
+        } else if (held_ && !showing_held_) {
+            showing_held_ = true;
+            tell("shown: what was held; B lets it go");
+        } else {
+            held_.reset();
+            showing_held_ = false;
+            tell("shown: the image");
+        }
+    }
+
+    const ViewerParams& params_;
+    Window window_;
+    ivec2 size_;
+    std::unique_ptr<Opened> opened_;
+    std::shared_ptr<const Shown> shown_;
+    std::optional<Image<Rgb8>> held_;
+    bool showing_held_ = false, screenshot_taken_ = false;
+    std::optional<Benchmark> benchmark_;
+};
+
+}  // namespace
+
+std::optional<ViewerFigures> runViewer(const ViewerParams& params) { return Viewer(params).run(); }
+
+}  // namespace sheen
