@@ -42,13 +42,12 @@ constexpr int kMostSteps = 500;
 // Different random numbers of one hit; ScatteredOnce takes those before.
 enum Use : uint32_t { kLobe = 3, kDiffuse, kWhich };
 
+uint32_t seedOf(const Hit& hit) { return hashOfPoint(hit.triangle, hit.u, hit.v); }
+
 // Of ways that go on, along lobes and by the cosine.
 struct Chances {
     SpreadPlaces lobe, diffuse;
 
-    explicit Chances(const Hit& hit) : Chances(hashOfPoint(hit.triangle, hit.u, hit.v)) {}
-
-  private:
     explicit Chances(uint32_t seed) : lobe(seed, kLobe), diffuse(seed, kDiffuse) {}
 };
 
@@ -227,7 +226,7 @@ ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
         for (size_t k = 0; k < near.count; ++k) {
             sum += std::abs(near.weights[k]);
         }
-        float u = sum * randomPlace(hashOfPoint(q.hit.triangle, q.hit.u, q.hit.v), kWhich).x;
+        float u = sum * randomPlace(seedOf(q.hit), kWhich).x;
         size_t other = 0;
         while (other + 1 < near.count && u >= std::abs(near.weights[other])) {
             u -= std::abs(near.weights[other++]);
@@ -306,14 +305,17 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
     const int most = mostFollowed();
     // Ways by specular lobes alone, of rays that ask for no caustics, are the second.
     std::array<Ways, 2> next;
-    // What rays from one point meet goes on in strata, the rest by chance of its own: what led
-    // there is strata already.
+    // What rays from one point meet goes on in strata, set by set, the rest by chance of its own:
+    // what led there is strata already.
     const auto found =
         std::find_if(hits.begin(), hits.end(), [](const Hit& h) { return h.found(); });
     if (found == hits.end()) {
         return;
     }
-    Chances together(*found);
+    std::vector<Chances> sets;
+    for (uint32_t k = 0; k < (rays.sets.empty() ? 1 : Rays::kSets); ++k) {
+        sets.emplace_back(pcgHash(k + seedOf(*found)));
+    }
     const auto goOn = [&](const Hit& hit, const vec3& wo, size_t ray, int followed,
                           const vec3& weight, bool without_caustics, Chances& chances) {
         if (followed == bounces_ - 1) {
@@ -334,7 +336,8 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
     };
     for (size_t i = 0; i < hits.size(); ++i) {
         if (hits[i].found()) {
-            goOn(hits[i], -rays.directions[i], i, 0, vec3(1.0f), rays.without_caustics, together);
+            goOn(hits[i], -rays.directions[i], i, 0, vec3(1.0f), rays.without_caustics,
+                 sets[rays.setOf(i)]);
         }
     }
     const auto pursue = [&](const Ways& ways, int followed, bool without_caustics) {
@@ -350,7 +353,7 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
                 if (met[i].found()) {
                     const vec3& weight = ways.weights[first + i];
                     light(ways.of[first + i], followed, weight * seen[i]);
-                    Chances chances(met[i]);
+                    Chances chances(seedOf(met[i]));
                     goOn(met[i], -cast.directions[i], ways.of[first + i], followed, weight,
                          without_caustics, chances);
                 }

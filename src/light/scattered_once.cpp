@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "light/punctual.h"
 #include "rays/jitter.h"
@@ -246,7 +247,10 @@ void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3*
     };
     // Rays from one point, such as those of a mirror's pixel, may all meet one place: together
     // their samples are strata. Ways that go on are strata of what led to them already.
-    SourceChances chances = chancesOf(seedOf(lit.front()));
+    std::vector<SourceChances> sets;
+    for (uint32_t k = 0; k < (rays.sets.empty() ? 1 : Rays::kSets); ++k) {
+        sets.push_back(chancesOf(pcgHash(k + seedOf(lit.front()))));
+    }
     std::array<Asked, Tracer::kPacket> points;
     size_t of[Tracer::kPacket];
     size_t count = 0;
@@ -276,10 +280,8 @@ void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3*
         Asked& p = points[count];
         p = pointAt(hit, vec2(hit.u, hit.v), -rays.directions[l.ray]);
         p.surface = withoutCaustics(rays, p.surface);
-        if (!rays.origins.empty()) {
-            chances = chancesOf(seedOf(l));
-        }
-        p.places = nextOf(chances);
+        SourceChances own = chancesOf(seedOf(l));
+        p.places = nextOf(rays.origins.empty() ? sets[rays.setOf(l.ray)] : own);
         p.solid_angle = rays.solidAngle(l.ray);
         p.distance = hit.distance;
         if (cell) {
