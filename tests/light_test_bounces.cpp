@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/bounces.h"
@@ -152,6 +153,54 @@ TEST(ScatteredAgain, AMirrorShowsTheRoom) {
     // What the mirror hides of the sphere behind it, and shadows, is not quite as bright.
     constexpr double kTolerance = 0.08;
     EXPECT_NEAR(shown, wall, kTolerance * wall);
+}
+
+// Where half of a record's rays meet a glossy wall close by, few of the ways that go on from there
+// see what is small and bright: left to chance, such records are specks.
+TEST(ScatteredAgain, RecordsBesideAGlossyWallAgree) {
+    Scene scene;
+    const uint32_t glossy = addMaterial(scene, glossyParams(vec3(0.8f), 1.0f, 0.6f));
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    const uint32_t bright = addMaterial(scene, diffuseParams(vec3(0.0f), vec3(30.0f)));
+    addBox(scene, vec3(0.0f), vec3(2.0f), {glossy, white, white, white, white, white}, true);
+    addQuad(scene, vec3(0.5f, 1.0f, 0.9f), vec3(0, 0, 0.2f), vec3(0.2f, 0, 0), bright);
+    const Lit lit(scene, vec3(1.0f), 2);
+    const vec3 eye(0.02f, 1.98f, 1.0f);  // looks down
+    constexpr uint32_t kRays = 432, kRecords = 48;
+    // What the wall hands on along its lobe, by rays that are cast together, or each alone and as
+    // if it stood for nothing around it: mean and variance over records.
+    const auto momentsOf = [&](bool together) {
+        const std::vector<float> angles(together ? kRays : 0, 2.0f * kPi / kRays);
+        double sum = 0.0, squares = 0.0;
+        for (uint32_t i = 0; i < kRecords; ++i) {
+            std::vector<vec3> directions;
+            for (uint32_t k = 0; k < kRays; ++k) {
+                const vec2 strata = (vec2(k / 24, k % 24) + randomPlace(i, k)) / vec2(18, 24);
+                const vec3 d = cosineDirection(strata);
+                directions.emplace_back(d.x, -d.z, d.y);
+            }
+            std::vector<vec4> all(kRays), once(kRays);
+            const uint32_t each = together ? kRays : 1;
+            for (uint32_t k = 0; k < kRays; k += each) {
+                const Rays rays{.origin = eye,
+                                .directions = std::span(directions).subspan(k, each),
+                                .solid_angles = angles};
+                lit.again.cast(rays, &all[k]);
+                lit.once.cast(rays, &once[k]);
+            }
+            double mean = 0.0;
+            for (uint32_t k = 0; k < kRays; ++k) {
+                mean += directions[k].x < 0.0f ? double{all[k].y - once[k].y} / kRays : 0.0;
+            }
+            sum += mean / kRecords;
+            squares += mean * mean / kRecords;
+        }
+        return std::pair(sum, squares - sum * sum);
+    };
+    const auto [alone, variance_alone] = momentsOf(false);
+    const auto [together, variance_together] = momentsOf(true);
+    EXPECT_NEAR(together, alone, 4.0 * std::sqrt(variance_alone / kRecords));
+    EXPECT_LT(variance_together, 0.2 * variance_alone);
 }
 
 // Nor on who asks first.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/directions.h"
@@ -200,6 +201,47 @@ TEST(ScatteredOnce, LampsLightWhatRaysMeetAndAreBlackThemselves) {
     light.cast({.origin = vec3(0, 0.5f, 0), .directions = {&kUp, 1}}, &lamp);
     EXPECT_LT(lamp.x, 1e-6f);
     EXPECT_NEAR(lamp.w, 0.5f, 1e-5f);
+}
+
+// A mirror's pixel has few rays, which all meet nearly one point.
+TEST(ScatteredOnce, RaysThatMeetOnePointSpreadTheirSamples) {
+    Scene scene = underSquare(1.0f);
+    addQuad(scene, vec3(-2, 0, -2), vec3(0, 0, 4), vec3(4, 0, 0),
+            addMaterial(scene, diffuseParams(vec3(0.5f))));
+    const Tracer tracer(scene);
+    const SceneLights lights(tracer);
+    const ScatteredOnce light(tracer, &lights);
+    constexpr size_t kRays = 8;
+    constexpr uint32_t kPoints = 256;
+    const vec3 eye(0.2f, 0.3f, 0.1f);
+    // Mean and variance of what `count` rays see on average, over points close to each other.
+    const auto momentsOf = [&](size_t count) {
+        double sum = 0.0, squares = 0.0;
+        for (uint32_t i = 0; i < kPoints; ++i) {
+            const vec2 at = 0.01f * randomPlace(i, 0);
+            std::vector<vec3> directions;
+            for (uint32_t k = 0; k < count; ++k) {
+                const vec3 to = vec3(at.x, 0.0f, at.y) + 1e-5f * vec3(randomPlace(i, 1 + k), 0.0f);
+                directions.push_back(glm::normalize(to - eye));
+            }
+            vec4 seen[kRays];
+            light.cast({.origin = eye, .directions = directions}, seen);
+            double mean = 0.0;
+            for (size_t k = 0; k < count; ++k) {
+                mean += seen[k].y / static_cast<double>(count);
+            }
+            sum += mean / kPoints;
+            squares += mean * mean / kPoints;
+        }
+        return std::pair(sum, squares - sum * sum);
+    };
+    const auto [one, variance_of_one] = momentsOf(1);
+    const auto [all, variance_of_all] = momentsOf(kRays);
+    const double deviation = std::sqrt(variance_of_one / kPoints);
+    EXPECT_NEAR(all, one, 4.0 * deviation);
+    EXPECT_GT(deviation, 1e-3 * one);
+    // Rays that know nothing of each other have an eighth.
+    EXPECT_LT(variance_of_all, 0.6 * variance_of_one / kRays);
 }
 
 TEST(ScatteredOnce, TheSkyLightsWhatRaysMeetAndIsSeenPastIt) {

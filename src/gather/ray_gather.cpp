@@ -48,17 +48,20 @@ struct TexelRays {
     std::vector<vec3> directions = {};
     std::vector<float> solid_angles = {};  // that the rays stand for
     std::vector<size_t> of = {};
+    std::vector<uint8_t> sets = {};
 
     void reserve(size_t count) {
         directions.reserve(count);
         solid_angles.reserve(count);
         of.reserve(count);
+        sets.reserve(count);
     }
-    void add(const vec3& direction, float solid_angle, size_t texel) {
+    void add(const vec3& direction, float solid_angle, size_t texel, size_t set) {
         if (glm::dot(direction, n_g) > 0.0f) {
             directions.push_back(direction);
             solid_angles.push_back(solid_angle);
             of.push_back(texel);
+            sets.push_back(static_cast<uint8_t>(set));
         }
     }
     std::vector<vec4> cast(const OutgoingLight& light, const vec3& eye, bool without_caustics,
@@ -67,6 +70,7 @@ struct TexelRays {
         light.cast({.origin = eye,
                     .directions = directions,
                     .solid_angles = solid_angles,
+                    .sets = sets,
                     .without_caustics = without_caustics},
                    seen.data(), planes);
         return seen;
@@ -144,7 +148,9 @@ int raysMore(float contrast) {
     return contrast >= kLeastContrast ? static_cast<int>(std::min(contrast, kMostRays)) : 0;
 }
 
-// One ray through each texel, at a random place of its own.
+// One ray through each texel, at a random place of its own. Neighbours, which decide how many more
+// there are of a texel, are of other sets: did their chance depend on the texel's, light would be
+// lost or won.
 TexelRays raysThroughTexels(const Hemisphere& h, std::span<const FaceDirections> faces,
                             const vec3& n_g, uint32_t seed) {
     TexelRays rays{.n_g = n_g};
@@ -157,7 +163,8 @@ TexelRays raysThroughTexels(const Hemisphere& h, std::span<const FaceDirections>
                     for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
                         const size_t t = texelOf(h, face, x, y);
                         const vec2 place = randomPlace(seed, static_cast<uint32_t>(t));
-                        rays.add(faces[f].direction(x, y, place), h.solid_angles[t], t);
+                        const size_t set = 2 * f + static_cast<size_t>((x + y) % 2);
+                        rays.add(faces[f].direction(x, y, place), h.solid_angles[t], t, set);
                     }
                 }
             }
@@ -181,7 +188,7 @@ TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const FaceDirecti
                 const vec2 start = randomPlace(seed, static_cast<uint32_t>(contrasts.size() + t));
                 for (int k = 0; k < count; ++k) {
                     const vec2 place = glm::fract(start + static_cast<float>(k) * kSpread);
-                    rays.add(faces[f].direction(x, y, place), solid_angle, t);
+                    rays.add(faces[f].direction(x, y, place), solid_angle, t, 0);
                 }
             }
         }

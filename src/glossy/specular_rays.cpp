@@ -74,7 +74,7 @@ void castRow(const OutgoingLight& light, const Receivers& receivers, size_t i,
     const vec3 wo_local = glm::transpose(frame) * from.wo;
     vec3 directions[kRowSamples];
     vec3 weights[kRowSamples];
-    int halves[kRowSamples];
+    uint8_t halves[kRowSamples];
     float solid_angles[kRowSamples];
     vec4 seen[kRowSamples];
     size_t count = 0;
@@ -90,13 +90,14 @@ void castRow(const OutgoingLight& light, const Receivers& receivers, size_t i,
         if (glm::dot(direction, from.n_g) > 0.0f) {
             directions[count] = direction;
             solid_angles[count] = std::min(1.0f / (sharing * along->density), kPi);
-            halves[count] = half;
+            halves[count] = static_cast<uint8_t>(half);
             weights[count++] = along->weight;
         }
     }
     light.cast({.origin = from.eye,
                 .directions = {directions, count},
                 .solid_angles = {solid_angles, count},
+                .sets = {halves, count},
                 .without_caustics = without_caustics},
                seen);
     for (size_t k = 0; k < count; ++k) {

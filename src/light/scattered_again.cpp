@@ -25,6 +25,12 @@ constexpr int kMostFollowed = 8;
 // fewer ways, the more each counts, and the more noise there is.
 constexpr float kOftener = 1.5f;
 
+// Of a record's ray the lobe is followed in as many ways as it stands for that many steradians.
+// Beside a glossy wall half of all rays meet it, where its lobe may see something small and bright
+// in one of thirty ways, and records there, which serve few pixels, have few rays.
+constexpr float kAngleOfWay = 0.003f;
+constexpr float kMostWays = 8.0f;
+
 // What a way that goes on stands for, at the most: highlights seen over it are as wide as that.
 // Were it all of what is reflected there, they would be too wide to send on all of their light.
 constexpr float kWidest = 0.1f;
@@ -33,8 +39,19 @@ constexpr float kWidest = 0.1f;
 constexpr double kDone = 1e-4;
 constexpr int kMostSteps = 500;
 
-// Different random numbers of one hit, of which ScatteredOnce takes the first two.
-enum Use : uint32_t { kWhether = 2, kWhere, kWhetherDiffuse, kWhereDiffuse, kWhich };
+// Different random numbers of one hit; ScatteredOnce takes those before.
+enum Use : uint32_t { kLobe = 3, kDiffuse, kWhich };
+
+uint32_t seedOf(const Hit& hit) { return hashOfPoint(hit.triangle, hit.u, hit.v); }
+
+// Of ways that go on, along lobes and by the cosine.
+struct Chances {
+    SpreadPlaces lobe, diffuse;
+
+    explicit Chances(uint32_t seed) : lobe(seed, kLobe), diffuse(seed, kDiffuse) {}
+};
+
+float waysOf(float solid_angle) { return std::clamp(solid_angle / kAngleOfWay, 1.0f, kMostWays); }
 
 // Ways that go on, together.
 struct Ways {
@@ -95,34 +112,36 @@ struct ScatteredAgain::Point {
         return elementSiteAt(scene, hit, vec2(hit.u, hit.v), wo);
     }
 
-    // Goes on along the lobe, by chance.
-    void followLobe(const Scene& scene, size_t ray, const vec3& weight, Ways& ways) const {
+    // Goes on along the lobe, by chance, in so many ways on average where it reflects all light.
+    void followLobe(const Scene& scene, size_t ray, const vec3& weight, float most,
+                    SpreadPlaces& places, Ways& ways) const {
         const Brdf& brdf = glossy->surface.brdf;
-        const float chance = std::min(kOftener * luminance(weight * glossy->specular_albedo), 1.0f);
-        const uint32_t seed = hashOfPoint(hit.triangle, hit.u, hit.v);
-        if (randomPlace(seed, kWhether).x >= chance) {
-            return;
-        }
+        const float wanted =
+            most * std::min(kOftener * luminance(weight * glossy->specular_albedo), 1.0f);
         const mat3 frame = tangentFrame(glossy->surface.n);
-        const auto along = sampleLobe(glm::transpose(frame) * wo, brdf.alpha, brdf.f0, brdf.f90,
-                                      randomPlace(seed, kWhere));
-        const vec3 direction = along ? glm::normalize(frame * along->wi) : vec3(0.0f);
-        if (glm::dot(direction, glossy->p.n_g) > 0.0f) {
-            ways.add(ray, weight * along->weight / chance, glossy->p.eye(scene), direction,
-                     std::min(1.0f / along->density, kWidest));
+        vec3 u = places.next();
+        const auto count = static_cast<int>(wanted + u.z);
+        for (int k = 0; k < count; ++k) {
+            u = k > 0 ? places.next() : u;
+            const auto along =
+                sampleLobe(glm::transpose(frame) * wo, brdf.alpha, brdf.f0, brdf.f90, vec2(u));
+            const vec3 direction = along ? glm::normalize(frame * along->wi) : vec3(0.0f);
+            if (glm::dot(direction, glossy->p.n_g) > 0.0f) {
+                ways.add(ray, weight * along->weight / wanted, glossy->p.eye(scene), direction,
+                         std::min(1.0f / along->density, kWidest));
+            }
         }
     }
     // And by the cosine.
-    void followDiffuse(const Scene& scene, size_t ray, const vec3& weight, Ways& ways) const {
+    void followDiffuse(const Scene& scene, size_t ray, const vec3& weight, const vec3& u,
+                       Ways& ways) const {
         const vec3 reflected = weight * albedo(scene);
         const float chance = std::min(kOftener * luminance(reflected), 1.0f);
-        const uint32_t seed = hashOfPoint(hit.triangle, hit.u, hit.v);
-        if (randomPlace(seed, kWhetherDiffuse).x >= chance) {
+        if (u.z >= chance) {
             return;
         }
         const ElementSite from = site(scene);
-        const vec3 direction = glm::normalize(tangentFrame(from.normal) *
-                                              cosineDirection(randomPlace(seed, kWhereDiffuse)));
+        const vec3 direction = glm::normalize(tangentFrame(from.normal) * cosineDirection(vec2(u)));
         if (glm::dot(direction, from.side.n_g) > 0.0f) {
             ways.add(ray, reflected / chance, from.side.start(), direction, kWidest);
         }
@@ -207,7 +226,7 @@ ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
         for (size_t k = 0; k < near.count; ++k) {
             sum += std::abs(near.weights[k]);
         }
-        float u = sum * randomPlace(hashOfPoint(q.hit.triangle, q.hit.u, q.hit.v), kWhich).x;
+        float u = sum * randomPlace(seedOf(q.hit), kWhich).x;
         size_t other = 0;
         while (other + 1 < near.count && u >= std::abs(near.weights[other])) {
             u -= std::abs(near.weights[other++]);
@@ -222,7 +241,9 @@ ScatteredAgain::Equation ScatteredAgain::equationOf(size_t element) const {
         }
         return true;
     };
-    follow(rays, {hits, count}, add, ask);
+    // Of so many elements each ray's lobe is followed once.
+    const Rays once{.origin = rays.origin, .directions = rays.directions};
+    follow(once, {hits, count}, add, ask);
     result.terms.shrink_to_fit();
     return result;
 }
@@ -284,8 +305,19 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
     const int most = mostFollowed();
     // Ways by specular lobes alone, of rays that ask for no caustics, are the second.
     std::array<Ways, 2> next;
+    // What rays from one point meet goes on in strata, set by set, the rest by chance of its own:
+    // what led there is strata already.
+    const auto found =
+        std::find_if(hits.begin(), hits.end(), [](const Hit& h) { return h.found(); });
+    if (found == hits.end()) {
+        return;
+    }
+    std::vector<Chances> sets;
+    for (uint32_t k = 0; k < (rays.sets.empty() ? 1 : Rays::kSets); ++k) {
+        sets.emplace_back(pcgHash(k + seedOf(*found)));
+    }
     const auto goOn = [&](const Hit& hit, const vec3& wo, size_t ray, int followed,
-                          const vec3& weight, bool without_caustics) {
+                          const vec3& weight, bool without_caustics, Chances& chances) {
         if (followed == bounces_ - 1) {
             return;  // scattered often enough
         }
@@ -294,16 +326,18 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
         const bool known = ask(ray, followed, q, weight,
                                last && q.glossy ? q.glossy->specular_albedo : vec3(0.0f));
         if (!last && !known) {
-            q.followDiffuse(scene(), ray, weight, next[0]);
+            q.followDiffuse(scene(), ray, weight, chances.diffuse.next(), next[0]);
         }
         if (!last && q.glossy) {
             const bool specular = without_caustics && isSpecular(q.glossy->surface.brdf);
-            q.followLobe(scene(), ray, weight, next[specular ? 1 : 0]);
+            const float ways = followed == 0 ? waysOf(rays.solidAngle(ray)) : 1.0f;
+            q.followLobe(scene(), ray, weight, ways, chances.lobe, next[specular ? 1 : 0]);
         }
     };
     for (size_t i = 0; i < hits.size(); ++i) {
         if (hits[i].found()) {
-            goOn(hits[i], -rays.directions[i], i, 0, vec3(1.0f), rays.without_caustics);
+            goOn(hits[i], -rays.directions[i], i, 0, vec3(1.0f), rays.without_caustics,
+                 sets[rays.setOf(i)]);
         }
     }
     const auto pursue = [&](const Ways& ways, int followed, bool without_caustics) {
@@ -319,8 +353,9 @@ void ScatteredAgain::follow(const Rays& rays, std::span<const Hit> hits, const L
                 if (met[i].found()) {
                     const vec3& weight = ways.weights[first + i];
                     light(ways.of[first + i], followed, weight * seen[i]);
+                    Chances chances(seedOf(met[i]));
                     goOn(met[i], -cast.directions[i], ways.of[first + i], followed, weight,
-                         without_caustics);
+                         without_caustics, chances);
                 }
             }
         }

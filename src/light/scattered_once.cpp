@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "light/punctual.h"
 #include "rays/jitter.h"
@@ -18,6 +19,18 @@ Scatterer withoutCaustics(const Rays& rays, Scatterer surface) {
         surface.brdf.f90 = 0.0f;
     }
     return surface;
+}
+
+// Chance, by what light is chosen: from lamps, many lights and the sky.
+constexpr size_t kSources = 3;
+using SourceChances = std::array<SpreadPlaces, kSources>;
+
+SourceChances chancesOf(uint32_t seed) {
+    return {SpreadPlaces(seed, 0), SpreadPlaces(seed, 1), SpreadPlaces(seed, 2)};
+}
+
+std::array<vec3, kSources> nextOf(SourceChances& chances) {
+    return {chances[0].next(), chances[1].next(), chances[2].next()};
 }
 
 }  // namespace
@@ -138,19 +151,17 @@ void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
 struct ScatteredOnce::Asked {
     SurfaceSide side;
     Scatterer surface;
-    uint32_t seed, index;
+    std::array<vec3, kSources> places;          // in [0, 1)^3, for each
     float solid_angle = 0.0f, distance = 0.0f;  // of the ray that sees it
 };
 
 // For each of a packet of points, the light by one sample of all lamps, one of many
 // lights and one of the sky.
 void ScatteredOnce::sample(std::span<const Asked> points, vec3* radiance) const {
-    constexpr int kSources = 3;
     vec3 light[kSources][Tracer::kPacket];
     Way ways[kSources][Tracer::kPacket];
     for (size_t k = 0; k < points.size(); ++k) {
         const Asked& p = points[k];
-        const vec2 u = randomPlace(p.seed, 2 * p.index), v = randomPlace(p.seed, 2 * p.index + 1);
         const auto arriving = [&](const vec3& wi, float distance, const vec3& irradiance) {
             Scatterer seen = p.surface;
             seen.brdf.alpha =
@@ -159,17 +170,17 @@ void ScatteredOnce::sample(std::span<const Asked> points, vec3* radiance) const 
                              {.wi = wi, .distance = distance, .irradiance = irradiance});
         };
         if (lights_ != nullptr) {
-            if (const auto s = lights_->lamps.sample(p.side, p.surface.n, vec3(u, v.x))) {
+            if (const auto s = lights_->lamps.sample(p.side, p.surface.n, p.places[0])) {
                 light[0][k] = arriving(s->wi, s->distance, s->radiance / s->density);
                 ways[0][k] = s->way;
             }
-            if (const auto s = lights_->punctual.sample(p.side, p.surface.n, v.y)) {
+            if (const auto s = lights_->punctual.sample(p.side, p.surface.n, p.places[1].x)) {
                 light[1][k] = arriving(s->light.wi, s->light.distance, s->light.irradiance);
                 ways[1][k] = s->way;
             }
         }
         if (!sky_.empty()) {
-            const SkySampler::Sample s = sky_.sample(p.surface.n, v);
+            const SkySampler::Sample s = sky_.sample(p.surface.n, vec2(p.places[2]));
             if (s.density > 0.0f && glm::dot(s.wi, p.side.n_g) > 0.0f) {
                 light[2][k] = arriving(s.wi, -1.0f, s.radiance / s.density);
                 ways[2][k] = {.start = p.side.start(), .direction = s.wi, .length = kInfinity};
@@ -177,7 +188,7 @@ void ScatteredOnce::sample(std::span<const Asked> points, vec3* radiance) const 
         }
         radiance[k] = vec3(0.0f);
     }
-    for (int source = 0; source < kSources; ++source) {
+    for (size_t source = 0; source < kSources; ++source) {
         const Tracer::Shares passing = tracer().passing({ways[source], points.size()});
         for (size_t k = 0; k < points.size(); ++k) {
             radiance[k] += passing[k] > 0.0f ? passing[k] * light[source][k] : vec3(0.0f);
@@ -192,8 +203,7 @@ ScatteredOnce::Asked ScatteredOnce::pointAt(const Hit& hit, const vec2& uv, cons
                      .toward_viewer = p.wo,
                      .offset = surfaceOffset(scene(), hit.triangle, p.position, p.n_g, p.distance)},
             .surface = scattererAt(scene(), p),
-            .seed = 0,
-            .index = 0};
+            .places = {}};
 }
 
 // What the side of a cell that was hit scatters alike in all directions, or would if it were white
@@ -203,6 +213,7 @@ vec3 ScatteredOnce::scatteredByCell(const Hit& hit, const IrradianceCells::Cell&
     Hit seen = hit;  // from as far as the cell is long: whichever hit asks first finds the same
     seen.distance = TriangleEdges(scene(), hit.triangle).longestEdge() * std::abs(cell.scale);
     const uint32_t seed = pcgHash(cell.cell + pcgHash(hit.triangle));
+    SourceChances chances = chancesOf(seed);
     vec3 sum(0.0f);
     for (uint32_t first = 0; first < kCellSamples; first += Tracer::kPacket) {
         std::array<Asked, Tracer::kPacket> points;
@@ -213,8 +224,7 @@ vec3 ScatteredOnce::scatteredByCell(const Hit& hit, const IrradianceCells::Cell&
                 points[k].surface.brdf = {
                     .diffuse = vec3(1.0f), .alpha = 1.0f, .f0 = vec3(0.0f), .f90 = 0.0f};
             }
-            points[k].seed = seed;
-            points[k].index = first + k;
+            points[k].places = nextOf(chances);
         }
         vec3 light[Tracer::kPacket];
         sample(points, light);
@@ -229,6 +239,18 @@ vec3 ScatteredOnce::scatteredByCell(const Hit& hit, const IrradianceCells::Cell&
 // in all directions; lobes, and hits without a cell, are sampled once each: many rays share a
 // record, and average what chance adds to each.
 void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3* radiance) const {
+    if (lit.empty()) {
+        return;
+    }
+    const auto seedOf = [](const Lit& l) {
+        return hashOfPoint(l.hit->triangle, l.hit->u, l.hit->v);
+    };
+    // Rays from one point, such as those of a mirror's pixel, may all meet one place: together
+    // their samples are strata. Ways that go on are strata of what led to them already.
+    std::vector<SourceChances> sets;
+    for (uint32_t k = 0; k < (rays.sets.empty() ? 1 : Rays::kSets); ++k) {
+        sets.push_back(chancesOf(pcgHash(k + seedOf(lit.front()))));
+    }
     std::array<Asked, Tracer::kPacket> points;
     size_t of[Tracer::kPacket];
     size_t count = 0;
@@ -258,7 +280,8 @@ void ScatteredOnce::addSampled(const Rays& rays, std::span<const Lit> lit, vec3*
         Asked& p = points[count];
         p = pointAt(hit, vec2(hit.u, hit.v), -rays.directions[l.ray]);
         p.surface = withoutCaustics(rays, p.surface);
-        p.seed = hashOfPoint(hit.triangle, hit.u, hit.v);
+        SourceChances own = chancesOf(seedOf(l));
+        p.places = nextOf(rays.origins.empty() ? sets[rays.setOf(l.ray)] : own);
         p.solid_angle = rays.solidAngle(l.ray);
         p.distance = hit.distance;
         if (cell) {

@@ -28,4 +28,21 @@ inline vec2 randomPlace(uint32_t of, uint32_t ray) {
     return vec2(static_cast<float>(bits & 0xffffu), static_cast<float>(bits >> 16u)) * 0x1p-16f;
 }
 
+/// Points spread evenly over [0, 1)^3, however many are taken: from a random one on, the one of
+/// `use` of whatever has index `of`, by multiples of the powers of 1 / x, x^4 = x + 1 [Rob18]. Each
+/// by itself is as random as the first; for rays that follow each other they are strata.
+class SpreadPlaces {
+  public:
+    SpreadPlaces(uint32_t of, uint32_t use)
+        : start_(randomPlace(of, use), randomPlace(of, ~use).x) {}
+    vec3 next() {
+        constexpr vec3 kStep(0.8191725f, 0.6710436f, 0.5497005f);
+        return glm::fract(start_ + static_cast<float>(taken_++) * kStep);
+    }
+
+  private:
+    vec3 start_;
+    uint32_t taken_ = 0;
+};
+
 }  // namespace sheen

@@ -22,10 +22,16 @@ struct Rays {
     /// wide as it is (filteredAlpha() in brdf.glsl). None: each ray stands for itself.
     std::span<const float> solid_angles = {};
     std::span<const vec3> origins = {};  ///< as many as directions; none: all start at `origin`
+    /// Of which set, below kSets, a ray is, as many as directions; none: all of set 0. What rays of
+    /// one origin and one set meet draws its chance from one evenly spread sequence; sets know
+    /// nothing of each other, as those must that decide how much each other's rays count.
+    std::span<const uint8_t> sets = {};
+    static constexpr size_t kSets = 16;
     /// What specular surfaces alone make of lights does not count: it is kept apart (caustics.h).
     bool without_caustics = false;
 
     const vec3& originOf(size_t i) const { return origins.empty() ? origin : origins[i]; }
+    size_t setOf(size_t i) const { return sets.empty() ? 0 : sets[i]; }
     float solidAngle(size_t i) const { return solid_angles.empty() ? 0.0f : solid_angles[i]; }
     /// `count` of them from `first` on.
     Rays part(size_t first, size_t count) const {
@@ -34,6 +40,7 @@ struct Rays {
                 .solid_angles =
                     solid_angles.empty() ? solid_angles : solid_angles.subspan(first, count),
                 .origins = origins.empty() ? origins : origins.subspan(first, count),
+                .sets = sets.empty() ? sets : sets.subspan(first, count),
                 .without_caustics = without_caustics};
     }
 };
