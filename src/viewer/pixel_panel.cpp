@@ -58,6 +58,7 @@ void PixelPanel::draw(const std::shared_ptr<const PixelParts>& parts, float expo
     if (!open_ || !parts_) {
         return;
     }
+    ImGui::SetNextWindowPos({300.0f, 8.0f}, ImGuiCond_FirstUseEver);
     ImGui::Begin("Pixel", &open_, ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::Text("%d, %d", parts_->pixel.x, parts_->pixel.y);
     showLight("direct", parts_->direct);
