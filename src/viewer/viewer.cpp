@@ -182,7 +182,7 @@ class Viewer {
                 const LoadedExr exr = readExr(path);
                 hold(displayImage(colorLayer(exr, "beauty"),
                                   shown_ ? std::optional(shown_->exposure) : std::nullopt,
-                                  opened_->state.display.tone));
+                                  toSrgb(opened_->state.display.tone)));
                 tell(fmt::format("{}: held to compare with; B shows it", path));
             } else {
                 open(path);
