@@ -12,6 +12,7 @@ const std::vector<NamedScene>& allScenes() {
         {"ledges.glb", &ledges},
         {"gallery.glb", &gallery},
         {"lamp_room.glb", &lampRoom},
+        {"tiles.glb", &tiles},
         {"furnace.glb", &furnace},
         {"sphere_room.glb", &sphereRoom},
         {"kite.glb", &kite},

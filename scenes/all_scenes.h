@@ -16,6 +16,7 @@ Model corridor();
 Model ledges();
 Model gallery();
 Model lampRoom();
+Model tiles();
 Model furnace();
 Model sphereRoom();
 Model kite();

@@ -192,7 +192,7 @@ class Encoder {
             attributes["NORMAL"] = addVertices(mesh.normals, kNormalSteps, "VEC3", false);
         }
         const MaterialSpec& material = model_.materials[static_cast<size_t>(object.material)];
-        if (material.texture >= 0) {
+        if (material.texture >= 0 || material.normal_texture >= 0) {
             SHEEN_CHECK_EQ(mesh.uvs.size(), mesh.positions.size());
             attributes["TEXCOORD_0"] = addVertices(mesh.uvs, kUvSteps, "VEC2", false);
         }
@@ -259,6 +259,9 @@ class Encoder {
             }
             Json json = {
                 {"name", material.name}, {"doubleSided", true}, {"pbrMetallicRoughness", pbr}};
+            if (material.normal_texture >= 0) {
+                json["normalTexture"]["index"] = material.normal_texture;
+            }
             if (material.specular != 1.0) {
                 json["extensions"]["KHR_materials_specular"]["specularFactor"] = material.specular;
             }

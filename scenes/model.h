@@ -39,6 +39,7 @@ struct MaterialSpec {
     double specular_color = 1.0;  ///< and its colour, grey: F0 = 0.04 * this
     dvec3 emission{0.0};          ///< nits
     int texture = -1;             ///< index into Model::textures
+    int normal_texture = -1;      ///< likewise
 };
 
 /// GGX width to glTF roughness.

@@ -80,4 +80,15 @@ FN vec3 recordIrradiance(IN(Record) k, IN(vec3) p, IN(vec3) n) {
                vec3(0.0f));
 }
 
+// The same on a bump of normal m, which sees what the smooth surface of normal n sees, and nothing
+// below. Of light from near n the part cos(m, n) arrives there, and more of what comes along m - n,
+// as the rotation gradient tells; of light that is the same from everywhere (1 + cos(m, n)) / 2.
+FN vec3 bumpIrradiance(IN(Record) k, IN(vec3) p, IN(vec3) n, IN(vec3) m) {
+    vec3 dm = m - n;
+    float even = 0.5f + 0.5f * dot(m, n);
+    return max(even * recordIrradiance(k, p, n) + vec3(dot(dm, k.rotation_r), dot(dm, k.rotation_g),
+                                                       dot(dm, k.rotation_b)),
+               vec3(0.0f));
+}
+
 #endif

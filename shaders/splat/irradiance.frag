@@ -1,7 +1,11 @@
-// What a record adds to a pixel's irradiance, and to what lobes see beside that where MISSED is 1;
+// What a record adds to a pixel's irradiance, and to what lobes see beside that where MISSED is 1, on
+// bumps of normal maps where BUMPS is;
 // blending sums it over the records.
 #include "splat/fragment.glsl"
 
+#if BUMPS == 1
+layout(binding = 4, rgba32f) readonly uniform image2D bumps;  // normals by normal maps
+#endif
 layout(location = 0) out vec4 out_irradiance;  // weight * irradiance, weight
 #if MISSED == 1
 layout(binding = 3, r32i) readonly uniform iimage2D materials;
@@ -23,7 +27,12 @@ void main() {
     k.translation_r = values[7].xyz;
     k.translation_g = values[8].xyz;
     k.translation_b = values[9].xyz;
+#if BUMPS == 1
+    vec3 bump = imageLoad(bumps, ivec2(gl_FragCoord.xy)).xyz;
+    vec3 irradiance = bumpIrradiance(k, pixel.position, pixel.normal, bump);
+#else
     vec3 irradiance = recordIrradiance(k, pixel.position, pixel.normal);
+#endif
     out_irradiance = vec4(pixel.weight * irradiance, pixel.weight);
 #if MISSED == 1
     float same = imageLoad(materials, ivec2(gl_FragCoord.xy)).x == int(values[3].w) ? 1.0 : 0.0;

@@ -188,7 +188,8 @@ void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordFi
     std::vector<RecordSite> sites(probes.size());
     parallelFor(static_cast<int>(probes.size()), [&](int k) {
         RecordSite& site = sites[static_cast<size_t>(k)];
-        site = siteAt(scene, receivers, static_cast<size_t>(probes[static_cast<size_t>(k)].pixel));
+        const auto pixel = static_cast<size_t>(probes[static_cast<size_t>(k)].pixel);
+        site = siteAt(scene, receivers, pixel, true);
         site.order = shared::DIFFUSE_ORDER;  // its own light is wanted, not what pixels around see
         addContrasts(field, site);
     });

@@ -35,17 +35,19 @@ uint32_t seedAt(const Scene& scene, uint32_t triangle, const vec3& position, flo
 
 }  // namespace
 
-RecordSite siteAt(const Scene& scene, const Receivers& receivers, size_t i) {
+RecordSite siteAt(const Scene& scene, const Receivers& receivers, size_t i, bool on_bump) {
+    const vec3& scattering = receivers.scatteringNormal(i);
+    const vec3& normal = on_bump ? scattering : receivers.normals[i];
     const SurfaceSide p = receivers.sideAt(scene, i);
     RecordSite site{
         .position = p.position,
-        .normal = receivers.normals[i],
+        .normal = normal,
         .geometric_normal = p.n_g,
         .toward_viewer = p.toward_viewer,
         .offset = p.offset,
         .seed = seedAt(scene, receivers.triangles[i], p.position, receivers.footprints[i]),
         .order = receivers.orders[i]};
-    if (!receivers.irradiance_only && !receivers.isTooGlossy(i)) {
+    if (!receivers.irradiance_only && !receivers.isTooGlossy(i) && normal == scattering) {
         const vec3& f0 = receivers.f0[i];
         site.lobe = {.alpha = receivers.alpha(i),
                      .f0 = (f0.x + f0.y + f0.z) / 3.0f,

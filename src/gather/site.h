@@ -45,7 +45,9 @@ struct RecordSite {
     vec3 eye() const { return offSurface(position, geometric_normal, toward_viewer, offset); }
 };
 
-/// Where a receiver's light is to be gathered; of the records around it nothing is known yet.
-RecordSite siteAt(const Scene& scene, const Receivers& receivers, size_t i);
+/// Where a receiver's light is to be gathered; of the records around it nothing is known yet. On
+/// the smooth surface, of whose bumps no lobe is known, or, `on_bump`, about the normal by which it
+/// scatters.
+RecordSite siteAt(const Scene& scene, const Receivers& receivers, size_t i, bool on_bump = false);
 
 }  // namespace sheen

@@ -26,7 +26,7 @@ struct LobeStart {
 
 LobeStart middleOf(const Scene& scene, const Receivers& receivers, size_t i) {
     const SurfaceSide side = receivers.sideAt(scene, i);
-    return {side.start(), side.n_g, receivers.normals[i], receivers.towardViewer(i)};
+    return {side.start(), side.n_g, receivers.scatteringNormal(i), receivers.towardViewer(i)};
 }
 
 // At a place of the pixel that is the row's own, where the camera sees the middle's surface there:
@@ -50,10 +50,11 @@ LobeStart placeInPixel(const OutgoingLight& light, const Receivers& receivers, s
             continue;
         }
         const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -way, hit.distance);
-        const vec3 n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo).smooth;
-        const float height = 0.5f * glm::dot(p.position - receivers.positions[i], n + middle.n);
+        const ShadingNormals n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo);
+        const float height =
+            0.5f * glm::dot(p.position - receivers.positions[i], n.smooth + receivers.normals[i]);
         if (std::abs(height) <= kOffPlane * receivers.footprints[i]) {
-            return {p.eye(scene), p.n_g, n, p.wo};
+            return {p.eye(scene), p.n_g, n.mapped, p.wo};
         }
     }
     return middle;

@@ -311,8 +311,8 @@ EdgeFinder::Look EdgeFinder::lookAt(size_t pixel, const GBuffer& seen, size_t fi
         const vec3 toward = glm::normalize(grid_.view.origin - place.position);
         share->diffuse += part * seen.diffuse.pixels[i];
         share->specular +=
-            part * specularAlbedo(glm::dot(place.normal, toward), seen.roughness.pixels[i],
-                                  seen.f0.pixels[i], seen.f90.pixels[i]);
+            part * specularAlbedo(glm::dot(seen.mappedNormalAt(i), toward),
+                                  seen.roughness.pixels[i], seen.f0.pixels[i], seen.f90.pixels[i]);
     }
     return look;
 }

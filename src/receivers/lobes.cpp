@@ -72,7 +72,7 @@ Lobes buildLobes(const Receivers& receivers) {
             if (lobes.first[i] < 0) {
                 return;
             }
-            const vec3& n = receivers.normals[i];
+            const vec3& n = receivers.scatteringNormal(i);
             const vec3 wo = receivers.towardViewer(i);
             const vec3& f0 = receivers.f0[i];
             const float f90 = receivers.f90[i];

@@ -1,11 +1,12 @@
 #include "receivers/predicted.h"
 
+#include "receivers/served.h"
+
 namespace sheen {
 
 float outgoingLuminance(const Receivers& receivers, const Record& record, const float* sh,
                         size_t i) {
-    const vec3 irradiance =
-        shared::recordIrradiance(record, receivers.positions[i], receivers.normals[i]);
+    const vec3 irradiance = irradianceBy(receivers, i, record);
     if (receivers.irradiance_only || receivers.isTooGlossy(i)) {
         return luminance(irradiance);
     }
@@ -25,7 +26,7 @@ vec3 lobeLight(const Receivers& receivers, const Record& record, const float* sh
     const vec3& p = receivers.positions[i];
     const int order = receivers.orders[i];
     if (order == shared::DIFFUSE_ORDER) {
-        return shared::recordIrradiance(record, p, receivers.normals[i]) / kPi;
+        return irradianceBy(receivers, i, record) / kPi;
     }
     const shared::ShVector lobe = receivers.lobes.at(i, order);
     return receivers.lobes.scale[i] * convolveRecord(record, sh, lobe.c, order, p) /

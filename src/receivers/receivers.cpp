@@ -10,8 +10,8 @@
 namespace sheen {
 
 vec3 Receivers::specularAlbedo(size_t i) const {
-    return sheen::specularAlbedo(glm::dot(normals[i], towardViewer(i)), roughness[i], f0[i],
-                                 f90[i]);
+    return sheen::specularAlbedo(glm::dot(scatteringNormal(i), towardViewer(i)), roughness[i],
+                                 f0[i], f90[i]);
 }
 
 Receivers fieldsOf(GBuffer gbuffer) {
@@ -19,6 +19,7 @@ Receivers fieldsOf(GBuffer gbuffer) {
     receivers.image = gbuffer.image;
     receivers.positions = std::move(gbuffer.position.pixels);
     receivers.normals = std::move(gbuffer.normal.pixels);
+    receivers.mapped_normals = std::move(gbuffer.mapped_normal.pixels);
     receivers.footprints = std::move(gbuffer.depth.pixels);
     for (float& width : receivers.footprints) {
         width *= gbuffer.image.pixel_angle;

@@ -33,8 +33,11 @@ struct ReceiverCounts {
 /// Arrays are [receiver], row by row of the image; zero where there is no surface, or as said.
 struct Receivers {
     // What is there.
-    std::vector<vec3> positions;      ///< world space
-    std::vector<vec3> normals;        ///< shading normals, unit
+    std::vector<vec3> positions;  ///< world space
+    std::vector<vec3> normals;    ///< shading normals, unit
+    /// By normal maps, unit: records stand and reach by the smooth surface, light is scattered by
+    /// these. Empty where no material has one.
+    std::vector<vec3> mapped_normals;
     std::vector<float> footprints;    ///< the width that a receiver stands for, scene units
     std::vector<uint32_t> triangles;  ///< kNoPrimitive: no surface
     std::vector<int> materials;       ///< of the scene; kNoMaterial: no surface
@@ -66,6 +69,10 @@ struct Receivers {
     std::shared_ptr<const PointIndex> places;  ///< where they are looked for
 
     int count() const { return static_cast<int>(positions.size()); }
+    /// By which receiver i scatters light.
+    const vec3& scatteringNormal(size_t i) const {
+        return mapped_normals.empty() ? normals[i] : mapped_normals[i];
+    }
     /// Whether there is a surface.
     bool seen(size_t i) const { return footprints[i] > 0.0f; }
     /// From where it is seen: of a texel, from straight above.

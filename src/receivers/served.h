@@ -38,6 +38,15 @@ inline float weightAt(const Receivers& receivers, size_t i, const Record& k,
                                 receivers.normals[i], receivers.footprints[i]);
 }
 
+/// What a record says of the irradiance at a receiver.
+inline vec3 irradianceBy(const Receivers& receivers, size_t i, const Record& k) {
+    const vec3& p = receivers.positions[i];
+    const vec3& n = receivers.normals[i];
+    return receivers.mapped_normals.empty()
+               ? shared::recordIrradiance(k, p, n)
+               : shared::bumpIrradiance(k, p, n, receivers.mapped_normals[i]);
+}
+
 /// Calls visit(i, weight) for the receivers that a record serves, row by row (texels of a lightmap:
 /// in any order), of those that wanted(i).
 template <typename Wanted, typename Visit>

@@ -21,8 +21,9 @@ CausticLight causticLight(const Tracer& tracer, const PhotonMap& photons,
                             .f90 = receivers.f90[i]};
             const bool scatters = !isSpecular(lobe) && !receivers.irradiance_only;
             if (receivers.diffuse[i] != vec3(0.0f) || scatters) {
-                light.values[i] = photons.at(tracer, receivers.sideAt(tracer.scene(), i),
-                                             receivers.normals[i], scatters ? &lobe : nullptr);
+                light.values[i] =
+                    photons.at(tracer, receivers.sideAt(tracer.scene(), i),
+                               receivers.scatteringNormal(i), scatters ? &lobe : nullptr);
             }
         },
         kGrain);

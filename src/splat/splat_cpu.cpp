@@ -65,8 +65,7 @@ SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
                 if (w <= 0.0f) {
                     continue;
                 }
-                result.irradiance.pixels[i] +=
-                    vec4(w * shared::recordIrradiance(k, p, receivers.normals[i]), w);
+                result.irradiance.pixels[i] += vec4(w * irradianceBy(receivers, i, k), w);
                 if (static_cast<int>(k.material) == receivers.materials[i]) {
                     result.missed.pixels[i] += vec4(w * shared::recordMissed(k), w);
                 }

@@ -43,11 +43,12 @@ struct Pass {
     std::function<void(const Record&, vec4*)> fill;
 };
 
-Pass irradiancePass(bool missed) {
+Pass irradiancePass(bool missed, bool bumps) {
     constexpr int kRecordValues = sizeof(Record) / sizeof(vec4);
     return {.fragment = "splat/irradiance.frag",
             .defines = {fmt::format("VALUES {}", kRecordValues),
-                        fmt::format("MISSED {}", missed ? 1 : 0)},
+                        fmt::format("MISSED {}", missed ? 1 : 0),
+                        fmt::format("BUMPS {}", bumps ? 1 : 0)},
             .least_order = shared::DIFFUSE_ORDER,
             .values = kRecordValues,
             .fill = [](const Record& k, vec4* to) { std::memcpy(to, &k, sizeof(Record)); }};
@@ -205,6 +206,7 @@ Image<Packed> pack(const PixelGrid& image, const Band& band, const F& packed) {
 // What fragments read of the pixels in a band.
 struct Source {
     gl::Texture positions, normals, lobes, materials;
+    std::optional<gl::Texture> bumps;
     gl::Buffer lobe_buffer;
 
     Source(const Receivers& receivers, const Band& band)
@@ -234,6 +236,12 @@ struct Source {
         bind(2, lobes, GL_RGBA32I);
         upload(3, materials, GL_R32I, GL_RED_INTEGER, GL_INT,
                &receivers.materials[image.index(0, band.first)]);
+        if (!receivers.mapped_normals.empty()) {
+            const auto bump = [&](size_t i) { return vec4(receivers.mapped_normals[i], 0.0f); };
+            bumps = gl::makeTexture2d(GL_RGBA32F, receivers.image.width, band.rows);
+            upload(4, *bumps, GL_RGBA32F, GL_RGBA, GL_FLOAT,
+                   pack<vec4>(image, band, bump).pixels.data());
+        }
     }
 
   private:
@@ -296,7 +304,7 @@ class Splatter {
           missed_(
               std::any_of(cache.records.begin(), cache.records.end(),
                           [](const Record& k) { return shared::recordMissed(k) != vec3(0.0f); })),
-          passes_{irradiancePass(missed_)},
+          passes_{irradiancePass(missed_, !receivers.mapped_normals.empty())},
           reached_(reachedByAll(receivers, cache, weight)) {
         const int greatest_order =
             *std::max_element(receivers.orders.begin(), receivers.orders.end());
