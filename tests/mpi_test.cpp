@@ -38,9 +38,9 @@ class MpiAnimate : public CliAnimate {
     Outcome onRanks(int count, const std::string& arguments) const {
         return mpirun(fmt::format("-n {} {} {}", count, SHEEN_PROGRAM, arguments));
     }
-    // The rank's disk is full after 512 bytes.
+    // The rank's disk is full after 512 bytes, which no message passes through.
     static std::string onFullDisk(const std::string& arguments) {
-        return fmt::format("sh -c 'ulimit -f 1 && exec {} {}'", SHEEN_MPI_PROGRAM, arguments);
+        return fmt::format("--mca btl self,tcp sh -c 'ulimit -f 1 && exec {} {}'", SHEEN_MPI_PROGRAM, arguments);
     }
 
     std::string framesTo(const std::string& folder) const {
