@@ -4,14 +4,14 @@
 packages=(
     g++ cmake ninja-build pkg-config
     libosmesa6-dev libegl-dev libglm-dev libfmt-dev libtbb-dev libembree-dev
-    libopenexr-dev libpng-dev libturbojpeg0-dev libtinygltf-dev libmeshoptimizer-dev libnanoflann-dev libstb-dev libxxhash-dev libglfw3-dev libimgui-dev libcli11-dev nlohmann-json3-dev
+    libopenexr-dev libpng-dev libturbojpeg0-dev libwebp-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libnanoflann-dev libstb-dev libxxhash-dev libglfw3-dev libimgui-dev libcli11-dev nlohmann-json3-dev
     libjs-chart.js
 )
 # What CMake asks for where tests and benchmarks are built too.
 test_build_packages=(libgtest-dev libbenchmark-dev pybind11-dev python3-dev libopenmpi-dev)
 # What only ./check needs: the browser that opens the chart's report, plots of the benchmarks, a window
 # system's server, arrays of the Python module, what starts ranks.
-test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-pil python3-numpy openmpi-bin)
+test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-xlib python3-pil python3-numpy openmpi-bin)
 build="$root/build/release"
 log="$root/build/build.log"
 

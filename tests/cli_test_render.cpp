@@ -4,6 +4,9 @@
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "cli_test.h"
 #include "image/exr.h"
 
@@ -84,6 +87,31 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
     EXPECT_EQ(json["size"], Json::array({16, 12}));
     EXPECT_EQ(json["threads"], 1);
     EXPECT_GT(json["seconds"]["total"].get<double>(), 0.0);
+}
+
+// Where there is no EGL it says so.
+TEST_F(CliTest, renderByEitherOpenglIsTheSameImage) {
+    const std::string render = "render scene.gltf --size 64x48 --bounces 1 --gather ";
+    expectError(render + "ray --gl vulkan", ExitCode::kUsage, "--gl");
+    for (const std::string road : {"ray", "hemicube"}) {
+        ASSERT_EQ(call(render + road + " --gl osmesa -o a.exr").code, 0);
+        const Outcome run = call(render + road + " --gl egl -o b.exr");
+        if (run.code != 0) {
+            EXPECT_EQ(run.code, 4) << run.err;
+            EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+            GTEST_SKIP() << "no EGL here: " << run.err;
+        }
+        const Image<vec3> a = colorLayer(readExr(file("a.exr")), "indirect");
+        const Image<vec3> b = colorLayer(readExr(file("b.exr")), "indirect");
+        double squares = 0.0, sum = 0.0;
+        for (size_t i = 0; i < a.pixels.size(); ++i) {
+            squares += std::pow(luminance(a.pixels[i] - b.pixels[i]), 2.0);
+            sum += luminance(a.pixels[i]);
+        }
+        const auto count = static_cast<double>(a.pixels.size());
+        EXPECT_GT(sum, 0.0);
+        EXPECT_LT(std::sqrt(squares / count), 1e-3 * sum / count) << road;
+    }
 }
 
 TEST_F(CliTest, renderReusesAFileOfRecordsAndRefusesAStaleOne) {

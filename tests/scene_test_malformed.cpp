@@ -219,13 +219,7 @@ const Breakage kBreakages[] = {
      "type"},
     {"RequiredExtensionUnknown", [](Json& j) { j["extensionsRequired"] = {"KHR_secret"}; },
      "KHR_secret"},
-    {"RequiresDraco",
-     [](Json& j) {
-         j["extensionsRequired"] = {"KHR_draco_mesh_compression"};
-         j["accessors"][1].erase("bufferView");
-     },
-     "KHR_draco_mesh_compression"},
-    {"UsesDraco",
+    {"DracoOfNoMesh",
      [](Json& j) {
          primitiveOf(j)["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
          j["accessors"][0].erase("bufferView");

@@ -214,9 +214,8 @@ void addSamplingOptions(CLI::App& app, RenderOptions& o) {
 }
 
 void addProgramOptions(CLI::App& app, RenderOptions& o) {
-    app.add_option("--threads", o.threads, "Threads to use; 0: one a hardware thread")
-        ->check(numberIn(0, 256))
-        ->capture_default_str();
+    addThreadsOption(app, o.threads);
+    addGlOption(app, o.gl);
     app.add_option("--json", o.json, "File for all figures as JSON; -: standard output")
         ->type_name("FILE")
         ->check(fileName());
@@ -358,6 +357,7 @@ void understandFrame(RenderOptions& o) {
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.bounces = bouncesOf(o);
+    o.params.gl = parseGl(o.gl);
     o.params.all_layers = o.layers == "all";
     if (o.aa_option->count() == 0 && smoothsEdges(o.params.method, o.params.gather_road)) {
         o.params.aa = kSmoothEdges;

@@ -32,6 +32,7 @@ struct RenderOptions {
     std::string cache;  ///< empty: records serve this frame alone
     std::string json;
     int threads = 0;
+    std::string gl;
     LoadParams load;
     std::string crop;          ///< empty: all of the image
     std::optional<Crop> part;  ///< what it says

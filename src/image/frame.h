@@ -32,6 +32,9 @@ struct Frame {
     // The cache.
     Image<float> weight;   ///< sum of record weights
     Image<float> records;  ///< number of records serving the pixel
+    /// Root of the squared error of the indirect light's luminance that its records expect of each
+    /// other; the same for 2 x 2 pixels.
+    Image<float> error;
     // The reference: variance of the mean, from independent replicates.
     Image<vec3> indirect_variance;
     Image<vec3> indirect_diffuse_variance;

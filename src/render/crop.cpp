@@ -33,8 +33,8 @@ void cut(Frame& frame, const Crop& crop) {
           &frame.caustic_variance, &frame.global_variance}) {
         cut(*layer, crop);
     }
-    for (Image<float>* layer :
-         {&frame.coverage, &frame.roughness, &frame.depth, &frame.weight, &frame.records}) {
+    for (Image<float>* layer : {&frame.coverage, &frame.roughness, &frame.depth, &frame.weight,
+                                &frame.records, &frame.error}) {
         cut(*layer, crop);
     }
     cut(frame.primitive, crop);

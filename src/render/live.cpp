@@ -106,7 +106,8 @@ struct LiveImage::State {
     double show_seconds = 0.0;  // what showing took last
     Frame frame;
     LiveProgress progress;
-    std::vector<LiveMark> marks;
+    RecordCache cache;  // that the frame is by
+    WeightParams weight{};
     Image<float> orders;
 
     // Ends the level; its records are kept.
@@ -162,7 +163,40 @@ const RenderParams& LiveImage::params() const { return s_->params; }
 const Camera& LiveImage::camera() const { return s_->scene.cameras.back(); }
 const Frame& LiveImage::frame() const { return s_->frame; }
 const LiveProgress& LiveImage::progress() const { return s_->progress; }
-const std::vector<LiveMark>& LiveImage::marks() const { return s_->marks; }
+
+std::vector<LiveMark> LiveImage::marks() const {
+    std::vector<LiveMark> marks;
+    for (const Record& k : s_->cache.records) {
+        marks.push_back({k.position, k.normal, s_->weight.accuracy * k.radius, k.order});
+    }
+    return marks;
+}
+
+std::optional<PixelParts> LiveImage::partsAt(const vec2& place) const {
+    const State& s = *s_;
+    const bool inside = place.x >= 0.0f && place.y >= 0.0f && place.x < 1.0f && place.y < 1.0f;
+    if (!s.built || s.orders.empty() || !inside) {
+        return std::nullopt;
+    }
+    const auto pixelOf = [&](int width, int height) {
+        const vec2 size(width, height);
+        return ivec2(glm::min(place * size, size - 1.0f));
+    };
+    const ivec2 coarse = pixelOf(s.orders.width, s.orders.height);
+    const int order = std::max(static_cast<int>(s.orders.at(coarse.x, coarse.y)), 0);
+    PixelParts parts = partsOf(*s.built, s.params, pixelOf(s.params.width, s.params.height), order,
+                               s.cache, s.weight);
+    const ivec2 shown = pixelOf(s.frame.width(), s.frame.height());
+    const auto in = [&](const Image<vec3>& layer) {
+        return layer.empty() ? vec3(0.0f) : layer.at(shown.x, shown.y);
+    };
+    parts.direct = in(s.frame.direct);
+    parts.indirect = in(s.frame.indirect);
+    parts.caustic = in(s.frame.caustic);
+    parts.emission = in(s.frame.emission);
+    return parts;
+}
+
 const Image<float>& LiveImage::orders() const { return s_->orders; }
 bool LiveImage::done() const { return !s_->changed && s_->progress.complete; }
 
@@ -233,7 +267,8 @@ void LiveImage::step(double seconds) {
 
 bool LiveImage::State::beginByHints() {
     if (!built) {
-        built = std::make_unique<SceneState>(scene, params.gather_road, progress.seconds);
+        built =
+            std::make_unique<SceneState>(scene, params.gather_road, params.gl, progress.seconds);
     }
     if (level || kept.size() > 0) {
         return false;
@@ -247,7 +282,7 @@ bool LiveImage::State::beginByHints() {
     frame = std::move(result.frame);
     frame.shows_sky = scene.environment.shows();
     orders = Image<float>(p.width, p.height);
-    marks.clear();
+    cache = {};
     progress = {.width = p.width,
                 .height = p.height,
                 .uncovered = result.stats.pixels_uncovered,
@@ -291,8 +326,8 @@ void LiveImage::State::finish() {
 
 void LiveImage::State::show() {
     const Timer show_timer;
-    const RecordCache cache = level->placed.handOver();
-    const WeightParams weight = level->how.servingWeight();
+    cache = level->placed.handOver();
+    weight = level->how.servingWeight();
     const Timer splat_timer;
     SplatBuffer splat = splatView(*built, level->view, cache, weight);
     progress.uncovered = 0;
@@ -317,10 +352,6 @@ void LiveImage::State::show() {
     progress.records = static_cast<int>(cache.records.size());
     progress.records_new = static_cast<int>(level->view.field.records.size() - level->began_with);
     progress.estimated_rel_rmse = std::numeric_limits<double>::quiet_NaN();
-    marks.clear();
-    for (const Record& k : cache.records) {
-        marks.push_back({k.position, k.normal, weight.accuracy * k.radius, k.order});
-    }
     const Receivers& receivers = level->view.receivers;
     orders = Image<float>(progress.width, progress.height);
     for (size_t i = 0; i < orders.pixels.size(); ++i) {

@@ -12,6 +12,7 @@
 #include "cache/placement_params.h"
 #include "cache/record_field.h"
 #include "core/bounces.h"
+#include "gl/context.h"
 #include "glossy/specular_rays.h"
 #include "hemisphere/hemisphere.h"
 #include "image/frame.h"
@@ -49,6 +50,7 @@ struct RenderParams {
     double time_limit = 0;
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;
+    gl::Backend gl = gl::kDefaultBackend;
     /// size 0: by the accuracy; extent 0: by the kind
     HemisphereParams gather{.size = 0, .extent = 0.0f};
     SpecularParams specular;

@@ -60,12 +60,14 @@ Image<vec3> lightOfCoats(const OutgoingLight& light, const std::optional<Receive
 
 }  // namespace
 
-SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seconds)
+SceneState::SceneState(const Scene& scene_, GatherRoad road_, gl::Backend backend_,
+                       StageSeconds& seconds)
     : scene(scene_),
       road(road_),
+      backend(backend_),
       specular(anySpecular(scene)),
       // Only the raster gather draws with more than one context.
-      pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
+      pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount(), backend_),
       tracer(timed(seconds.gather, [&] { return Tracer(scene); })),
       lights(timed(seconds.gather, [&] { return std::make_optional<SceneLights>(tracer); })) {
     if (road == GatherRoad::kRaster) {

@@ -20,6 +20,7 @@ namespace sheen {
 struct SceneState {
     const Scene& scene;
     const GatherRoad road;
+    const gl::Backend backend;
     bool specular;  // some surface is
     gl::WorkerPool pool;
     Tracer tracer;
@@ -31,7 +32,7 @@ struct SceneState {
     std::shared_ptr<const ScatteredAgain> again;
 
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
-    SceneState(const Scene& scene, GatherRoad road, StageSeconds& seconds);
+    SceneState(const Scene& scene, GatherRoad road, gl::Backend backend, StageSeconds& seconds);
     ~SceneState();
     /// Whether its caustics are a layer of their own.
     bool keepsCausticsApart(const RenderParams& params) const;

@@ -370,16 +370,6 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
     }
 }
 
-// Input error where a mesh is nowhere but in a form that is not read.
-void checkReadable(const File& file, const tinygltf::Primitive& source, const std::string& where) {
-    const auto positions = source.attributes.find("POSITION");
-    if (source.extensions.count("KHR_draco_mesh_compression") > 0 &&
-        positions != source.attributes.end() &&
-        file.at(file.model.accessors, positions->second, where, "accessor").bufferView < 0) {
-        file.fail(where, "KHR_draco_mesh_compression is not supported; export uncompressed");
-    }
-}
-
 }  // namespace
 
 void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
@@ -401,7 +391,6 @@ void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
             file.at(file.model.materials, own, where, "material");
             material = static_cast<uint32_t>(own);
         }
-        checkReadable(file, source, where);
         Primitive primitive = readPrimitive(file, source, pose.weights, where);
         for (const TextureUse& use : scene.materials[material].textures) {
             if (use.used() && (use.uv_set == 0 ? primitive.uvs : primitive.second_uvs).empty()) {
