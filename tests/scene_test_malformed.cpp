@@ -272,7 +272,7 @@ TEST(SceneLoaderBroken, ImageThatIsNotThere) {
 TEST(SceneLoaderBroken, ImageOfAFormatThatGltfHasNot) {
     const std::vector<uint8_t> gif = {'G', 'I', 'F', '8', '9', 'a', 1, 0, 1, 0, 0, 0, 0, 0x2c, 0,
                                       0,   0,   0,   1,   0,   1,   0, 0, 2, 2, 4, 1, 0, 0x3b};
-    expectLeftOut(withImage(gif), "neither PNG nor JPEG");
+    expectLeftOut(withImage(gif), "neither PNG, JPEG nor WebP");
 }
 
 // 57 bytes that ask for 300 MB.

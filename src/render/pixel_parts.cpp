@@ -76,7 +76,10 @@ PixelParts partsOf(const SceneState& state, const RenderParams& params, const iv
     one.window = {.first = pixel, .whole = {params.width, params.height}};
     const Receivers receivers =
         fieldsOf(renderGBuffer(state.tracer, viewOf(state.scene, one), 1, 1));
-    PixelParts parts{.pixel = pixel, .seen = receivers.seen(0), .order = order};
+    PixelParts parts;
+    parts.pixel = pixel;
+    parts.seen = receivers.seen(0);
+    parts.order = order;
     if (!parts.seen) {
         return parts;
     }
