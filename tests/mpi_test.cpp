@@ -40,7 +40,8 @@ class MpiAnimate : public CliAnimate {
     }
     // The rank's disk is full after 512 bytes, which no message passes through.
     static std::string onFullDisk(const std::string& arguments) {
-        return fmt::format("--mca btl self,tcp sh -c 'ulimit -f 1 && exec {} {}'", SHEEN_MPI_PROGRAM, arguments);
+        return fmt::format("--mca btl self,tcp sh -c 'ulimit -f 1 && exec {} {}'",
+                           SHEEN_MPI_PROGRAM, arguments);
     }
 
     std::string framesTo(const std::string& folder) const {
@@ -176,6 +177,45 @@ TEST_F(MpiAnimate, ErrorsOfAllRanksAreOneLine) {
     expect_line("animate none.gltf -o %d.exr", 3, "none.gltf");
     expect_line("animate scene.gltf -o %d.exr --lifespan 4", 2, "--lifespan");
     expect_line("animate scene.gltf -o scene.bin/%d.exr", 4, "scene.bin");
+}
+
+TEST_F(MpiAnimate, BakedLightHasTheSameBits) {
+    const std::string bake = "bake scene.gltf --size 24 --accuracy 1 --threads 1";
+    for (const char* method : {"records", "texels"}) {
+        const std::string options = fmt::format("{} --method {}", bake, method);
+        ASSERT_EQ(call(options + " -o alone.exr").code, 0);
+        for (const int ranks : {1, 2, 3, 8}) {
+            const Outcome run = onRanks(ranks, options + " -o ranks.exr");
+            ASSERT_EQ(run.code, 0) << run.err;
+            EXPECT_EQ(linesOf(run), std::vector<std::string>{});
+            EXPECT_TRUE(textOf(file("ranks.exr")) == textOf(file("alone.exr")))
+                << method << ", " << ranks << " ranks";
+            fs::remove(file("ranks.exr"));
+        }
+    }
+    const Outcome paths = onRanks(2, bake + " --method reference -o ranks.exr");
+    EXPECT_EQ(paths.code, 2) << paths.err;
+    EXPECT_FALSE(fs::exists(file("ranks.exr")));
+}
+
+TEST_F(MpiAnimate, PointsOfAChartAreMeasuredOnce) {
+    const std::string chart =
+        "chart scene.gltf --methods reference,irradiance --size 16x12 --reference-spp 64 "
+        "--repeats 1 -o chart";
+    const Outcome run = onRanks(3, chart);
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Json json = Json::parse(textOf(file("chart/chart.json")));
+    EXPECT_EQ(json["scenes"][0]["points"].size(), 10u);
+    std::vector<std::string> there;
+    for (const auto& entry : fs::directory_iterator(file("chart"))) {
+        there.push_back(entry.path().filename().string());
+    }
+    std::sort(there.begin(), there.end());
+    EXPECT_EQ(there, (std::vector<std::string>{"chart.csv", "chart.html", "chart.json", "points",
+                                               "references"}));
+    const Outcome again = onRanks(2, chart);
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(Json::parse(textOf(file("chart/chart.json")))["scenes"], json["scenes"]);
 }
 
 TEST_F(MpiAnimate, WithoutThePackageItSaysWhichIsMissing) {

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 
-#include "chart/point_file.h"
 #include "cli/animate_frames.h"
 #include "cli/commands.h"
 #include "cli/movie.h"
@@ -98,29 +97,6 @@ FrameRange rangeOf(const AnimateOptions& o, const AnimatedScene& scene) {
     return {0, static_cast<int>(last)};
 }
 
-// What of the options changes images, as they were given.
-std::string optionsText(const CLI::App& app) {
-    std::string text;
-    for (const CLI::Option* option : app.get_options()) {
-        const std::string name = option->get_name();
-        const bool of_images = name != "SCENE" && name != "--output" && name != "--frames" &&
-                               name != "--threads" && name != "--json";
-        if (option->count() > 0 && of_images) {
-            text += fmt::format("{}{}={}", text.empty() ? "" : " ", name,
-                                fmt::join(option->results(), ","));
-        }
-    }
-    return text;
-}
-
-SequenceKey keyOf(const AnimateOptions& o, const Scene& scene) {
-    std::string files;
-    for (const std::string& file : scene.files) {
-        files += fileHash(file);
-    }
-    return {.program = "sheen " SHEEN_VERSION, .scene = files, .options = optionsText(*o.app)};
-}
-
 Json reportJson(const AnimateOptions& o, const FrameRange& frames, const std::vector<Json>& reports,
                 double seconds) {
     return {{"first", frames.first},
@@ -200,11 +176,6 @@ Sequence sequenceOf(const AnimateOptions& o, const Output& output, const FrameRa
     return sequence;
 }
 
-// What ranks must agree upon.
-std::string jobOf(const SequenceKey& key, const FrameNames& names) {
-    return fmt::format("{}\n{}\n{}\n{}", key.program, key.scene, key.options, names(0));
-}
-
 ExitCode runAnimate(AnimateOptions& o, Ranks& ranks) {
     const Timer total;
     const Output output = understandOutput(o);
@@ -218,8 +189,8 @@ ExitCode runAnimate(AnimateOptions& o, Ranks& ranks) {
         warn(warning);
     }
     const FrameRange frames = rangeOf(o, scene);
-    const SequenceKey key = keyOf(o, scene.scene());
-    const std::string job = jobOf(key, output.frames.names);
+    const SequenceKey key = keyOf(*o.app, scene.scene());
+    const std::string job = jobText(key, output.frames.names(0));
     const SequenceParams params{.part = o.render.part, .fps = o.fps, .temporal = temporal};
     o.render.params.quiet = true;
     if (!ranks.first()) {

@@ -53,4 +53,14 @@ class OneRank : public Ranks {
     void serve(const std::string&, const DoUnit&) override {}
 };
 
+/// What ranks do together.
+struct RankedJob {
+    Ranks* ranks = nullptr;  ///< none: one process alone
+    std::string text = {};   ///< what they must agree upon
+
+    bool isShared() const { return ranks != nullptr && ranks->count() > 1; }
+    /// Whether this is the process that has the result.
+    bool first() const { return ranks == nullptr || ranks->first(); }
+};
+
 }  // namespace sheen

@@ -5,35 +5,26 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <cstring>
 #include <thread>
 
+#include "core/bytes.h"
 #include "core/error.h"
 
 namespace sheen {
 namespace {
 
-// Each text after its size.
 std::string pack(const std::vector<std::string>& texts) {
-    std::string bytes;
+    ByteWriter out;
     for (const std::string& text : texts) {
-        const uint64_t size = text.size();
-        bytes.append(reinterpret_cast<const char*>(&size), sizeof(size));
-        bytes += text;
+        out.put(text);
     }
-    return bytes;
+    return out.bytes();
 }
 
 std::vector<std::string> unpack(const std::string& bytes) {
     std::vector<std::string> texts;
-    for (size_t at = 0; at < bytes.size();) {
-        uint64_t size = 0;
-        SHEEN_CHECK(bytes.size() - at >= sizeof(size));
-        std::memcpy(&size, bytes.data() + at, sizeof(size));
-        at += sizeof(size);
-        SHEEN_CHECK(bytes.size() - at >= size);
-        texts.push_back(bytes.substr(at, size));
-        at += size;
+    for (ByteReader in(bytes); !in.atEnd();) {
+        texts.push_back(in.get<std::string>());
     }
     return texts;
 }
