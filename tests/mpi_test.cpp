@@ -187,7 +187,7 @@ TEST_F(MpiAnimate, BakedLightHasTheSameBits) {
         for (const int ranks : {1, 2, 3, 8}) {
             const Outcome run = onRanks(ranks, options + " -o ranks.exr");
             ASSERT_EQ(run.code, 0) << run.err;
-            EXPECT_EQ(linesOf(run), std::vector<std::string>{});
+            EXPECT_EQ(linesOf(run).size(), 1u) << "of the first rank: the file moves\n" << run.err;
             EXPECT_TRUE(textOf(file("ranks.exr")) == textOf(file("alone.exr")))
                 << method << ", " << ranks << " ranks";
             fs::remove(file("ranks.exr"));
@@ -213,7 +213,7 @@ TEST_F(MpiAnimate, PointsOfAChartAreMeasuredOnce) {
     std::sort(there.begin(), there.end());
     EXPECT_EQ(there, (std::vector<std::string>{"chart.csv", "chart.html", "chart.json", "points",
                                                "references"}));
-    const Outcome again = onRanks(2, chart);
+    const Outcome again = onRanks(3, chart);  // by as many threads each
     ASSERT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(Json::parse(textOf(file("chart/chart.json")))["scenes"], json["scenes"]);
 }
