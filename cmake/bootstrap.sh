@@ -4,7 +4,7 @@
 packages=(
     g++ cmake ninja-build pkg-config
     libosmesa6-dev libegl-dev libglm-dev libfmt-dev libtbb-dev libembree-dev
-    libopenexr-dev libpng-dev libturbojpeg0-dev libwebp-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libnanoflann-dev libstb-dev libxxhash-dev libglfw3-dev libimgui-dev libcli11-dev nlohmann-json3-dev
+    libopenexr-dev libopencolorio-dev libpng-dev libturbojpeg0-dev libwebp-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libnanoflann-dev libstb-dev libxxhash-dev libmurmurhash-dev libglfw3-dev libimgui-dev libcli11-dev nlohmann-json3-dev
     libjs-chart.js
 )
 # What CMake asks for where tests and benchmarks are built too.

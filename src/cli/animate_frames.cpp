@@ -156,7 +156,7 @@ void FrameMaker::fixExposure(const Frame& frame) {
 
 void FrameMaker::write(const std::string& path, const Frame& frame) const {
     if (files_.kind == FileKind::kPng) {
-        writePng(path, frame, sequence_.exposure, toneCurve(options_));
+        writePng(path, frame, sequence_.exposure, options_.to_display);
     } else {
         writeExr(path, frame, options_.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
     }

@@ -106,10 +106,10 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
 
 std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers& receivers,
                                                                  int bounces, bool reuse) {
-    constexpr double kMostLacking = 0.02;
+    constexpr double kMoreLacking = 0.03;  // than where it was made for
     const std::vector<ElementSite> from = someOf(scene, receivers);
     if (reuse && again && again->bounces() == bounces &&
-        again->lackingShare(from) <= kMostLacking) {
+        again->lackingShare(from) <= again_lacking + kMoreLacking) {
         return again;
     }
     again.reset();  // never two of them in memory
@@ -117,6 +117,7 @@ std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers
                                                        bounces);
     if (reuse) {
         again = made;
+        again_lacking = made->lackingShare(from);
     }
     return made;
 }

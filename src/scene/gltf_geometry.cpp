@@ -375,6 +375,7 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
 void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
     const tinygltf::Mesh& mesh = file.model.meshes[static_cast<size_t>(mesh_index)];
     const auto default_material = static_cast<uint32_t>(scene.materials.size() - 1);
+    bool named = false;
     for (size_t i = 0; i < mesh.primitives.size(); ++i) {
         const tinygltf::Primitive& source = mesh.primitives[i];
         const std::string where = fmt::format(
@@ -412,6 +413,13 @@ void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
             primitive.tangents.clear();  // flat normals are not those that tangents were made for
         }
         const size_t first_triangle = scene.triangles.size();
+        if (!named) {
+            named = true;
+            const auto node = static_cast<size_t>(pose.node);
+            scene.objects.push_back(
+                {static_cast<uint32_t>(first_triangle),
+                 firstName(file.model.nodes[node].name, mesh.name, "node", node)});
+        }
         if (file.keeps_sources) {
             scene.sources.push_back({.first_triangle = static_cast<uint32_t>(first_triangle),
                                      .node = pose.node,

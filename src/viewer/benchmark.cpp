@@ -28,6 +28,13 @@ bool Benchmark::follow(const Shown& shown, LiveThread& live) {
         begin(shown, live);
         return false;
     }
+    if (phase_ == 2) {
+        ++steps_;
+        for (const Stage& stage : kStages) {
+            figures_.stages.*stage.seconds += shown.progress.seconds.*stage.seconds;
+        }
+        figures_.stages.total += shown.progress.seconds.total;
+    }
     if (++frame_ <= frames_) {
         go(live);
         return false;
@@ -35,6 +42,10 @@ bool Benchmark::follow(const Shown& shown, LiveThread& live) {
     (phase_ == 1 ? figures_.fps_fill : figures_.fps_full) =
         static_cast<double>(frames_) / std::max(shown.at - began_, 1e-9);
     if (phase_ == 2) {
+        for (const Stage& stage : kStages) {
+            figures_.stages.*stage.seconds /= steps_;
+        }
+        figures_.stages.total /= steps_;
         return true;
     }
     begin(shown, live);

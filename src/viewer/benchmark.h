@@ -25,6 +25,7 @@ class Benchmark {
     ViewerFigures figures_;
     int phase_ = 0, frame_ = 0;
     double began_ = 0.0;
+    int steps_ = 0;  // of the last flight
 };
 
 }  // namespace sheen

@@ -277,7 +277,7 @@ bool LiveThread::show(const DisplaySettings& settings) {
             exposed_ = true;
         }
         shown->exposure = settings.exposure.value_or(exposure_);
-        shown->pixels = displayImage(seen_, shown->exposure, settings.tone);
+        shown->pixels = displayImage(seen_, shown->exposure, toSrgb(settings.tone));
     }
     shown->complete = shown->progress.complete && arrived;
     shown->at = timer_.seconds();

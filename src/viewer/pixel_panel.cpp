@@ -50,7 +50,7 @@ void PixelPanel::draw(const std::shared_ptr<const PixelParts>& parts, float expo
         parts_ = parts;
         open_ = parts != nullptr;
         const auto shown = [&](const Image<vec3>& disc) {
-            return disc.empty() ? Image<Rgb8>() : displayImage(disc, exposure, tone);
+            return disc.empty() ? Image<Rgb8>() : displayImage(disc, exposure, toSrgb(tone));
         };
         hemisphere_ = parts ? shown(parts->hemisphere) : Image<Rgb8>();
         reconstruction_ = parts ? shown(parts->reconstruction) : Image<Rgb8>();
@@ -58,6 +58,8 @@ void PixelPanel::draw(const std::shared_ptr<const PixelParts>& parts, float expo
     if (!open_ || !parts_) {
         return;
     }
+    ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - 8.0f, 8.0f}, ImGuiCond_FirstUseEver,
+                            {1.0f, 0.0f});
     ImGui::Begin("Pixel", &open_, ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::Text("%d, %d", parts_->pixel.x, parts_->pixel.y);
     showLight("direct", parts_->direct);

@@ -182,7 +182,7 @@ class Viewer {
                 const LoadedExr exr = readExr(path);
                 hold(displayImage(colorLayer(exr, "beauty"),
                                   shown_ ? std::optional(shown_->exposure) : std::nullopt,
-                                  opened_->state.display.tone));
+                                  toSrgb(opened_->state.display.tone)));
                 tell(fmt::format("{}: held to compare with; B shows it", path));
             } else {
                 open(path);
@@ -392,6 +392,10 @@ class Viewer {
         constexpr float kTurn = 0.005f;  // radians a unit of the window
         constexpr float kNearer = 0.9f;  // a notch of the wheel
         const vec2 moved(io.MouseDelta.x, io.MouseDelta.y);
+        // Not by the way to where the button went down.
+        const auto dragged = [&](ImGuiMouseButton button) {
+            return io.MouseDownDuration[button] > 0.0f && moved != vec2(0.0f);
+        };
         CameraControl& control = opened_->control;
         bool changed = false;
         constexpr float kStill = 4.0f;  // of a click, squared, units of the window
@@ -400,15 +404,15 @@ class Viewer {
             opened_->live->pick(vec2(io.MousePos.x, io.MousePos.y) /
                                 vec2(io.DisplaySize.x, io.DisplaySize.y));
         }
-        if (ImGui::IsMouseDown(ImGuiMouseButton_Left) && moved != vec2(0.0f)) {
+        if (dragged(ImGuiMouseButton_Left)) {
             control.orbit(kTurn * moved.x, -kTurn * moved.y);
             changed = true;
         }
-        if (ImGui::IsMouseDown(ImGuiMouseButton_Right) && moved != vec2(0.0f)) {
+        if (dragged(ImGuiMouseButton_Right)) {
             control.turn(kTurn * moved.x, -kTurn * moved.y);
             changed = true;
         }
-        if (ImGui::IsMouseDown(ImGuiMouseButton_Middle) && moved != vec2(0.0f)) {
+        if (dragged(ImGuiMouseButton_Middle)) {
             const float unit =
                 2.0f * std::tan(0.5f * control.yFov()) / std::max(io.DisplaySize.y, 1.0f);
             const float way = unit * glm::length(control.target() - control.eye());
