@@ -1,4 +1,6 @@
 // sheen chart: error against time of every method, measured on scenes and shown on a page.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 

@@ -1,5 +1,7 @@
 #include "cli/sequence_file.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
