@@ -126,9 +126,14 @@ TEST_F(CliTest, renderShowsByAViewOfAConfiguration) {
     const std::string bytes((std::istreambuf_iterator<char>(png)), {});
     const DecodedImage shown =
         decodeImage({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
-    const Image<vec3> beauty = colorLayer(readExr(file("a.exr")), "beauty");
+    const LoadedExr exr = readExr(file("a.exr"));
+    const Image<vec3>& beauty = colorLayer(exr, "beauty");
     int lit = 0;
     for (size_t i = 0; i < beauty.pixels.size(); ++i) {
+        const float alpha = exr.scalars.at("A").pixels[i];
+        if (alpha < 1.0f) {
+            continue;  // there a PNG has the colour of what covers the pixel
+        }
         const float expected = std::min(2.0f * beauty.pixels[i].x, 1.0f);
         EXPECT_NEAR(static_cast<float>(shown.rgba[4 * i]) / 65535.0f, expected, 1.0f / 255.0f);
         lit += expected > 0.1f ? 1 : 0;
