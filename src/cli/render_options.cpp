@@ -314,7 +314,7 @@ std::string canonical(const std::string& text) {
 // Whether the method has it, and it is about the image.
 bool isOfImage(const RenderOptions& o, const CLI::Option* option) {
     constexpr std::string_view kOthers[] = {"output", "json",  "threads", "exposure", "tone",
-                                            "help",   "cache", "view",    "ocio"};
+                                            "help",   "cache", "view",    "ocio",     "frames"};
     const std::vector<std::string>& names = option->get_lnames();
     if (names.empty() ||
         std::find(std::begin(kOthers), std::end(kOthers), names[0]) != std::end(kOthers)) {
