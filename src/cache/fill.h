@@ -26,8 +26,8 @@ class SiteChooser {
     SiteChooser(const SiteChooser&) = delete;
     SiteChooser& operator=(const SiteChooser&) = delete;
 
-    /// The next sites, which are gathered together, each at a receiver that is missed; none where
-    /// no receiver is.
+    /// The next sites, which are gathered together, each at a receiver that is missed, or was when
+    /// it was chosen; none where no receiver is.
     virtual std::vector<SiteChoice> next(const PlacedRecords& placed) = 0;
 };
 
@@ -48,9 +48,10 @@ struct Placement {
     RecordCache cache;  ///< the field's records, in order, as they are to serve
     int uncovered = 0;  ///< receivers with a surface that no record serves: 0 where numbers are
                         ///< sound
+    int clusters = 0;   ///< of the records, so many were gathered for clusters (kmeans.h)
 };
 
-/// Places the records of the field, then those that a scan (scan.h) finds missing, which are added
+/// Places the records of the field, then those that are missing as `params` says, which are added
 /// to it; `seconds`: as fill() has it, from the call on.
 Placement placeRecords(const Scene& scene, const Receivers& receivers,
                        const PlacementParams& params, Gatherer& gatherer, RecordField& field,

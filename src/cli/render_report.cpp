@@ -85,6 +85,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"threads", threadCount()},
                  {"output", o.output},
                  {"records", stats.records},
+                 {"records_of_clusters", stats.records_of_clusters},
                  {"records_reused", stats.records_reused},
                  {"seconds", seconds},
                  {"pixels_geometry", stats.pixels_geometry},
@@ -132,6 +133,10 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
     } else {
         fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
                    stats.pixels_uncovered, stats.pixels_geometry);
+    }
+    if (o.params.placement.sites == SitesBy::kKMeans) {
+        fmt::print("placement {} records of clusters, {} where these were not enough\n",
+                   stats.records_of_clusters, stats.records - stats.records_of_clusters);
     }
     if (usesCache(o.params.method)) {
         fmt::print("gather    {}\n", o.gather);

@@ -39,6 +39,8 @@ HemisphereParams hemisphereOf(const HemisphereParams& wanted, GatherRoad road, f
 PlacementParams placementOf(const RenderParams& params, float accuracy) {
     PlacementParams how = params.placement;
     how.accuracy = accuracy;
+    if (getenv("CTL"))
+        how.control = static_cast<ErrorControl>(atoi(getenv("CTL")));
     if (how.min_pixels == 0.0f) {
         how.min_pixels = leastReach(accuracy);
     }
@@ -181,6 +183,7 @@ void tell(const Placement& placement, const ErrorEstimate& estimate, const Compo
     stats.estimate_low = estimate.low;
     stats.estimate_high = estimate.high;
     stats.passes += 1;
+    stats.records_of_clusters = placement.clusters;
     stats.pixels_uncovered = placement.uncovered;
     stats.nonfinite_pixels = counts.nonfinite;
     stats.negative_pixels = counts.negative;
