@@ -8,9 +8,10 @@ packages=(
     libjs-chart.js
 )
 # What CMake asks for where tests and benchmarks are built too.
-test_build_packages=(libgtest-dev libbenchmark-dev)
-# What only ./check needs: the browser that opens the chart's report, plots of the benchmarks.
-test_packages=(chromium chromium-driver python3-selenium gnuplot-nox)
+test_build_packages=(libgtest-dev libbenchmark-dev pybind11-dev python3-dev)
+# What only ./check needs: the browser that opens the chart's report, plots of the benchmarks, a window
+# system's server, arrays of the Python module.
+test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-pil python3-numpy)
 build="$root/build/release"
 log="$root/build/build.log"
 
@@ -45,7 +46,7 @@ install_packages() {
 sources_unchanged_since() {
     [[ -e $1 ]] || return 1
     local changed
-    changed=$(cd "$root" && find CMakeLists.txt CMakePresets.json cmake src shaders scenes bench tests \
+    changed=$(cd "$root" && find CMakeLists.txt CMakePresets.json cmake include src shaders scenes python examples bench tests \
         -newer "$1" -print -quit 2>&1)
     [[ -z $changed ]]
 }
@@ -64,7 +65,7 @@ configure_and_build() {
     fi
     if [[ ! -e $build/build.ninja || ${#fresh[@]} -gt 0 ]] ||
         { [[ $tests == ON ]] && grep -qxF "SHEEN_TESTS:BOOL=OFF" "$cache"; }; then
-        cmake --preset release "${fresh[@]}" -DSHEEN_TESTS=$tests
+        cmake --preset release "${fresh[@]}" -DSHEEN_TESTS=$tests -DSHEEN_PYTHON=$tests
     fi
     cmake --build "$build" --target "$1"
 }

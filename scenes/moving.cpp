@@ -19,12 +19,10 @@ int paint(Model& model, const char* name, const dvec3& color) {
     return model.add({.name = name, .base_color = color, .specular = 0.0});
 }
 
-// A kite as children draw it, lying in the plane y = 0, its head toward -z: two triangles above and
-// two below, a little apart, so that it has an inside and both sides are fronts.
+// A kite as children draw it, lying in the plane y = 0, its head toward -z: two triangles.
 Mesh kiteSail() {
-    constexpr double kHead = 0.45, kTail = 0.85, kHalf = 0.5, kThick = 0.02, kSag = 0.12;
+    constexpr double kHead = 0.45, kTail = 0.85, kHalf = 0.5, kSag = 0.12;
     const dvec3 head(0, 0, -kHead), tail(0, 0, kTail), left(-kHalf, kSag, 0), right(kHalf, kSag, 0);
-    const dvec3 down(0, -kThick, 0);
     Mesh mesh;
     // Flat triangles, each with vertices of its own.
     const auto add = [&](const dvec3& a, const dvec3& b, const dvec3& c) {
@@ -38,8 +36,6 @@ Mesh kiteSail() {
     };
     add(head, left, tail);
     add(head, tail, right);
-    add(head + down, tail + down, left + down);
-    add(head + down, right + down, tail + down);
     return mesh;
 }
 

@@ -1,4 +1,4 @@
-sheen_test(accuracy SOURCES accuracy_test.cpp case_scenes.cpp
+sheen_test(accuracy SOURCES accuracy_test.cpp accuracy_test_hints.cpp case_scenes.cpp
            USES sheen_render sheen_metrics sheen_make_scenes)
 target_compile_definitions(accuracy_test PRIVATE
                            SHEEN_REFERENCES="${CMAKE_CURRENT_SOURCE_DIR}/references")

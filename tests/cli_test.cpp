@@ -89,6 +89,12 @@ TEST_F(CliTest, optionsOutOfRange) {
                                "--method magic",
                                "--method octree --accuracy 0",
                                "--method octree --gather-size 7",
+                               "--method hints --hints 63",
+                               "--method hints --hints 65537",
+                               "--method hints --hints many",
+                               "--method hints --sh-order 4",
+                               "--method hints --caustics 1000",
+                               "--method hints --aa 4",
                                "--method denoised --spp 0",
                                "--method reference --spp 0",
                                "--method reference --spp 65537",
@@ -119,6 +125,13 @@ TEST_F(CliTest, optionsOutOfRange) {
 }
 
 TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
+    for (const char* option : {"--accuracy 0.1", "--target-error 0.02", "--time-limit 2",
+                               "--gather plane", "--gather-size 32", "--spp 16", "--seed 1"}) {
+        expectError(fmt::format("render scene.gltf --method hints {}", option), ExitCode::kUsage,
+                    "not an option of --method hints");
+    }
+    expectError("render scene.gltf --hints 100", ExitCode::kUsage,
+                "--hints: not an option of --method radiance");
     for (const char* option : {"--spp 16", "--seed 1"}) {
         expectError(fmt::format("render scene.gltf {}", option), ExitCode::kUsage, "radiance");
         expectError(fmt::format("render scene.gltf --method irradiance {}", option),

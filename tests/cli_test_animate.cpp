@@ -153,6 +153,12 @@ TEST_F(CliAnimate, Errors) {
     expectError("animate scene.gltf -o %d.exr --cache c", ExitCode::kUsage, "--cache");
     expectError("animate scene.gltf -o %d.exr --fps 0", ExitCode::kUsage, "--fps");
     expectError("animate scene.gltf -o %d.exr --animation dance", ExitCode::kUsage, "dance");
+    expectError("animate scene.gltf -o %d.exr --temporal-accuracy 0.2", ExitCode::kUsage,
+                "--temporal-accuracy: needs --lifespan");
+    expectError("animate scene.gltf -o %d.exr --lifespan 4 --method reference", ExitCode::kUsage,
+                "--lifespan");
+    expectError("animate scene.gltf -o %d.exr --lifespan 4 --gather plane", ExitCode::kUsage,
+                "--lifespan");
     expectError("animate none.gltf -o %d.exr", ExitCode::kInput, "none.gltf");
     writeScene([](Json& json) { json["animations"][0]["samplers"][0]["input"] = 77; });
     expectError("animate scene.gltf -o %d.exr", ExitCode::kInput, "accessor 77");

@@ -1,4 +1,9 @@
 // The program from outside: render and info, their files and figures.
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
 #include "cli_test.h"
 #include "image/exr.h"
 
@@ -13,13 +18,45 @@ TEST_F(CliTest, renderNamesItsOutput) {
     EXPECT_EQ(exr.width, 16);
     EXPECT_EQ(exr.height, 12);
     EXPECT_EQ(exr.colors.count("variance"), 1u);
-    EXPECT_EQ(exr.colors.count("normal"), 0u);
+    EXPECT_EQ(exr.colors.count("N"), 0u);
     EXPECT_EQ(files(), (std::vector<std::string>{"scene.bin", "scene.exr", "scene.gltf"}));
 }
 
 TEST_F(CliTest, renderAllLayers) {
     EXPECT_EQ(call(std::string(kReference) + " --layers all --camera front -o a.exr").code, 0);
-    EXPECT_EQ(readExr(file("a.exr")).colors.count("normal"), 1u);
+    EXPECT_EQ(readExr(file("a.exr")).colors.count("N"), 1u);
+}
+
+TEST_F(CliTest, filesSayHowTheyWereMade) {
+    ASSERT_EQ(call("render scene.gltf --aa 1 --size 16x12 --accuracy 2 -o a.exr").code, 0);
+    const Imf::InputFile in(file("a.exr").c_str());
+    const auto text = [&](const char* name) {
+        return in.header().typedAttribute<Imf::StringAttribute>(name).value();
+    };
+    EXPECT_EQ(text("software").rfind("sheen ", 0), 0u);
+    EXPECT_EQ(text("sheen.scene"), "scene.gltf");
+    EXPECT_EQ(text("sheen.method"), "radiance");
+    const std::string options = text("sheen.options");
+    EXPECT_EQ(options.rfind("--size=16x12 ", 0), 0u) << options;
+    for (const char* part :
+         {" --aa=1 ", " --accuracy=2 ", " --method=radiance ", " --bounces=all"}) {
+        EXPECT_NE(options.find(part), std::string::npos) << part << " of " << options;
+    }
+    for (const char* other : {"--spp", "--threads", "--output", "--exposure"}) {
+        EXPECT_EQ(options.find(other), std::string::npos) << other << " of " << options;
+    }
+    const auto number = [&](const char* name) {
+        return in.header().typedAttribute<Imf::FloatAttribute>(name).value();
+    };
+    EXPECT_EQ(number("sheen.accuracy"), 2.0f);
+    EXPECT_GT(number("sheen.records"), 0.0f);
+    EXPECT_LE(number("sheen.estimate_low"), number("sheen.estimate_high"));
+    const std::string first = textOf(file("a.exr"));
+    ASSERT_EQ(call("render scene.gltf --accuracy 2.0 --size 16x12 --threads 1 -o a.exr --aa 1 "
+                   "--bounces all")
+                  .code,
+              0);
+    EXPECT_TRUE(textOf(file("a.exr")) == first);
 }
 
 TEST_F(CliTest, renderPng) {
@@ -205,6 +242,37 @@ TEST_F(CliTest, baselinesRender) {
     EXPECT_NE(textOf(file("octree.exr")), textOf(file("b.exr")));
 }
 
+TEST_F(CliTest, hintsRender) {
+    const char* const small = "render scene.gltf --size 24x16 --method hints --hints 500";
+    const Outcome run = call(fmt::format("{} -o a.exr --json - --layers all", small));
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Json json = Json::parse(run.out);
+    EXPECT_EQ(json["method"], "hints");
+    EXPECT_EQ(json["aa"], 1);
+    EXPECT_EQ(json["records"], 0);
+    EXPECT_GT(json["hints"].get<int>(), 100);
+    EXPECT_GT(json["lit_samples"].get<int>(), 0);
+    EXPECT_EQ(json["gl_renderer"], "");
+    EXPECT_TRUE(json["estimated_rel_rmse"].is_null());
+    const LoadedExr exr = readExr(file("a.exr"));
+    EXPECT_EQ(exr.colors.count("indirect_diffuse"), 1u);
+    EXPECT_EQ(exr.scalars.count("weight.Y") + exr.scalars.count("records.Y"), 0u);
+    // Pixels see what those of other methods do, so that they are compared.
+    ASSERT_EQ(call("render scene.gltf --size 24x16 --aa 1 -o cache.exr").code, 0);
+    EXPECT_EQ(call("compare a.exr cache.exr --layer direct").code, 0);
+    // Threads change nothing; bounces, order and number do.
+    ASSERT_EQ(call(fmt::format("{} -o b.exr --layers all --threads 1", small)).code, 0);
+    EXPECT_EQ(textOf(file("a.exr")), textOf(file("b.exr")));
+    for (const char* option : {"--bounces 1", "--sh-order 2", "--hints 1000"}) {
+        const std::string text = option == std::string("--hints 1000")
+                                     ? "render scene.gltf --size 24x16 --method hints"
+                                     : small;
+        ASSERT_EQ(call(fmt::format("{} {} -o b.exr --layers all", text, option)).code, 0);
+        EXPECT_NE(textOf(file("a.exr")), textOf(file("b.exr"))) << option;
+    }
+    EXPECT_NE(call(fmt::format("{} -o b.exr", small)).out.find("hints     "), std::string::npos);
+}
+
 TEST_F(CliTest, threadsAndRepetitionChangeNothing) {
     ASSERT_EQ(call(std::string(kReference) + " -o a.exr --threads 1").code, 0);
     ASSERT_EQ(call(std::string(kReference) + " -o b.exr --threads 2").code, 0);
@@ -264,7 +332,8 @@ TEST_F(CliTest, aPixelAloneHasAnEstimate) {
 }
 
 TEST_F(CliTest, aGivenSkyShowsUnlessTransparent) {
-    for (const char* method : {"radiance", "irradiance", "reference", "denoised", "octree"}) {
+    for (const char* method :
+         {"radiance", "irradiance", "reference", "denoised", "octree", "hints"}) {
         for (const bool transparent : {false, true}) {
             const Outcome run = call(
                 fmt::format("render scene.gltf --method {} --size 24x16 -o a.exr --environment "

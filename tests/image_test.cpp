@@ -1,9 +1,11 @@
 // Files: round trips, layers, clamping, atomicity, malformed input.
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <gtest/gtest.h>
 #include <png.h>
 #include <sys/resource.h>
@@ -100,11 +102,11 @@ TEST_F(ExrTest, basicLeavesOutWhatOnlyAllHolds) {
     writeExr(file("all.exr"), fullFrame(), ExrLayers::kAll);
     const LoadedExr basic = readExr(file("basic.exr"));
     const LoadedExr all = readExr(file("all.exr"));
-    for (const char* layer : {"indirect_diffuse", "emission", "albedo", "normal", "position"}) {
+    for (const char* layer : {"indirect_diffuse", "emission", "albedo", "N", "P"}) {
         EXPECT_EQ(basic.colors.count(layer), 0u) << layer;
         EXPECT_EQ(all.colors.count(layer), 1u) << layer;
     }
-    for (const char* channel : {"roughness.Y", "depth.Z", "weight.Y", "records.Y"}) {
+    for (const char* channel : {"roughness.Y", "Z", "weight.Y", "records.Y"}) {
         EXPECT_EQ(basic.scalars.count(channel), 0u) << channel;
         EXPECT_EQ(all.scalars.count(channel), 1u) << channel;
     }
@@ -115,10 +117,18 @@ TEST_F(ExrTest, geometryIsExact) {
     const Frame frame = fullFrame();
     writeExr(file("a.exr"), frame, ExrLayers::kAll);
     const LoadedExr exr = readExr(file("a.exr"));
-    EXPECT_EQ(colorLayer(exr, "position").pixels, frame.position.pixels);
-    EXPECT_EQ(exr.scalars.at("depth.Z").pixels, frame.depth.pixels);
+    EXPECT_EQ(colorLayer(exr, "P").pixels, frame.position.pixels);
+    EXPECT_EQ(exr.scalars.at("Z").pixels, frame.depth.pixels);
     EXPECT_EQ(exr.scalars.at("weight.Y").pixels, frame.weight.pixels);
     EXPECT_EQ(exr.scalars.at("records.Y").pixels, frame.records.pixels);
+}
+
+TEST_F(ExrTest, notesAreAttributesOfTheHeader) {
+    writeExr(file("a.exr"), basicFrame(), ExrLayers::kBasic,
+             {.texts = {{"software", "a"}}, .numbers = {{"whiteLuminance", 2.5f}}});
+    const Imf::InputFile in(file("a.exr").c_str());
+    EXPECT_EQ(in.header().typedAttribute<Imf::StringAttribute>("software").value(), "a");
+    EXPECT_EQ(in.header().typedAttribute<Imf::FloatAttribute>("whiteLuminance").value(), 2.5f);
 }
 
 TEST_F(ExrTest, channelTypes) {
@@ -128,7 +138,7 @@ TEST_F(ExrTest, channelTypes) {
     const Imf::InputFile reference(file("reference.exr").c_str());
     EXPECT_EQ(cached.header().channels()["indirect.G"].type, Imf::HALF);
     EXPECT_EQ(reference.header().channels()["indirect.G"].type, Imf::FLOAT);
-    EXPECT_EQ(cached.header().channels()["depth.Z"].type, Imf::FLOAT);
+    EXPECT_EQ(cached.header().channels()["Z"].type, Imf::FLOAT);
     EXPECT_EQ(cached.header().channels()["primitive.id"].type, Imf::UINT);
     EXPECT_EQ(cached.header().compression(), Imf::ZIP_COMPRESSION);
 }

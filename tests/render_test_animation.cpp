@@ -1,6 +1,7 @@
 // Sequences of frames: what is reused changes no bit.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "render/animation.h"
@@ -29,12 +30,11 @@ std::string sceneFile(const char* name) { return std::string(SHEEN_SCENES) + "/"
 // Every frame of a sequence is that of a scene loaded at its time and rendered alone.
 void expectFramesAsAlone(const char* name, const std::vector<int>& frames,
                          const std::vector<SceneChange>& changes) {
-    constexpr double kFps = 24.0;
     AnimatedScene scene(sceneFile(name));
-    FrameSequence sequence(scene, kParams);
+    FrameSequence sequence(scene, kParams, {});
     for (size_t i = 0; i < frames.size(); ++i) {
-        const double seconds = frames[i] / kFps;
-        const RenderResult& result = sequence.render(frames[i], seconds);
+        const double seconds = frames[i] / 24.0;
+        const RenderResult& result = sequence.render(frames[i]);
         EXPECT_EQ(sequence.change(), changes[i]) << name << ", frame " << frames[i];
         const RenderResult alone = renderFrame(sceneAt(sceneFile(name), seconds), kParams);
         EXPECT_TRUE(sameBits(result.frame.indirect, alone.frame.indirect))
@@ -64,18 +64,109 @@ TEST(FrameSequence, PathTracersDrawAnewInEveryFrame) {
     RenderParams params = kParams;
     params.method = Method::kReference;
     params.spp = 4;
-    FrameSequence sequence(scene, params);
-    const Image<vec3> first = sequence.render(0, 0.0).frame.indirect;
-    EXPECT_FALSE(sameBits(sequence.render(1, 1.0).frame.indirect, first));
-    EXPECT_TRUE(sameBits(sequence.render(0, 0.0).frame.indirect, first));
+    FrameSequence sequence(scene, params, {});
+    const Image<vec3> first = sequence.render(0).frame.indirect;
+    EXPECT_FALSE(sameBits(sequence.render(1).frame.indirect, first));
+    EXPECT_TRUE(sameBits(sequence.render(0).frame.indirect, first));
 }
 
 TEST(FrameSequence, APartOfTheImageIsThatOfThePart) {
     AnimatedScene scene(sceneFile("kite.glb"));
-    FrameSequence sequence(scene, kParams, Crop{.first = {4, 5}, .size = {10, 8}});
-    const RenderResult& result = sequence.render(0, 0.0);
+    FrameSequence sequence(scene, kParams, {.part = Crop{.first = {4, 5}, .size = {10, 8}}});
+    const RenderResult& result = sequence.render(0);
     EXPECT_EQ(result.frame.width(), 10);
     EXPECT_EQ(result.frame.height(), 8);
+}
+
+// ---- Records that live on -----------------------------------------------------------------------
+
+SequenceParams living(int longest) { return {.temporal = TemporalParams{.longest = longest}}; }
+
+double meanDifference(const Image<vec3>& a, const Image<vec3>& b) {
+    double squares = 0.0, sum = 0.0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) {
+        const double d = luminance(a.pixels[i]) - luminance(b.pixels[i]);
+        squares += d * d;
+        sum += luminance(b.pixels[i]);
+    }
+    const auto n = static_cast<double>(a.pixels.size());
+    return std::sqrt(squares / n) / (sum / n);
+}
+
+TEST(LivingRecords, ASceneThatStandsStillHasTheSameBits) {
+    AnimatedScene scene(sceneFile("doors.glb"));
+    FrameSequence sequence(scene, kParams, living(3));
+    const RenderResult first = sequence.render(2);
+    for (const int frame : {3, 4, 5, 6, 7, 8}) {
+        EXPECT_TRUE(sameBits(sequence.render(frame).frame.indirect, first.frame.indirect));
+        EXPECT_EQ(sequence.change(), SceneChange::kNothing);
+    }
+    EXPECT_TRUE(
+        sameBits(first.frame.indirect,
+                 renderFrame(sceneAt(sceneFile("doors.glb"), 2 / 24.0), kParams).frame.indirect))
+        << "the first frame is as if rendered alone";
+}
+
+TEST(LivingRecords, FewerAreGatheredAndTheImageIsAsGood) {
+    AnimatedScene scene(sceneFile("kite.glb"));
+    FrameSequence sequence(scene, kParams, living(8));
+    sequence.render(10);
+    for (const int frame : {11, 12, 13, 14}) {
+        const RenderResult& result = sequence.render(frame);
+        const RenderStats& stats = result.stats;
+        const RenderResult alone =
+            renderFrame(sceneAt(sceneFile("kite.glb"), frame / 24.0), kParams);
+        EXPECT_EQ(stats.pixels_uncovered, 0);
+        EXPECT_EQ(stats.nonfinite_pixels, 0);
+        EXPECT_LT(stats.records - stats.records_reused + stats.records_renewed,
+                  alone.stats.records * 2 / 3)
+            << frame;
+        EXPECT_GT(stats.records_renewed, 0) << frame;
+        EXPECT_LT(meanDifference(result.frame.indirect, alone.frame.indirect), 0.06) << frame;
+    }
+}
+
+// Difference from the last frame rendered alone, of frames while the door opens.
+double ghostOf(int longest) {
+    AnimatedScene scene(sceneFile("doors.glb"));
+    FrameSequence sequence(scene, kParams, living(longest));
+    for (int frame = 16; frame < 20; ++frame) {
+        sequence.render(frame);
+    }
+    const RenderResult alone = renderFrame(sceneAt(sceneFile("doors.glb"), 20 / 24.0), kParams);
+    return meanDifference(sequence.render(20).frame.indirect, alone.frame.indirect);
+}
+
+TEST(LivingRecords, LightThatWasNotForeseenIsNoticed) {
+    // It comes through the door; without witnesses the image would be wrong by half.
+    EXPECT_LT(ghostOf(1), 0.05);
+    EXPECT_LT(ghostOf(100), 0.1);
+}
+
+TEST(LivingRecords, ALifeOfOneFrameIsThatOfRecordsRenderedAnewInPlace) {
+    AnimatedScene scene(sceneFile("kite.glb"));
+    FrameSequence sequence(scene, kParams, living(1));
+    sequence.render(10);
+    const RenderStats& stats = sequence.render(11).stats;
+    EXPECT_EQ(stats.records_renewed, stats.records_reused);
+}
+
+TEST(LivingRecords, ThoseOfFramesThatAreNotNeighboursAreNotMixed) {
+    AnimatedScene scene(sceneFile("kite.glb"));
+    FrameSequence sequence(scene, kParams, living(8));
+    sequence.render(10);
+    EXPECT_EQ(sequence.render(12).stats.records_reused, 0);
+    EXPECT_GT(sequence.render(13).stats.records_reused, 0);
+}
+
+TEST(LivingRecords, OfAMovingCameraTheyDoNotAge) {
+    AnimatedScene scene(sceneFile("orbit.glb"));
+    FrameSequence sequence(scene, kParams, living(1));
+    sequence.render(0);
+    const RenderStats& stats = sequence.render(1).stats;
+    EXPECT_EQ(sequence.change(), SceneChange::kCameras);
+    EXPECT_GT(stats.records_reused, 0);
+    EXPECT_EQ(stats.records_renewed, 0);
 }
 
 }  // namespace

@@ -61,6 +61,28 @@ TEST(Animation, ANodeMovesItsMesh) {
     EXPECT_EQ(animated.scene().positions[0].x, 0.0f);
 }
 
+TEST(Animation, PositionsAreToldWithoutMoving) {
+    GltfFile file = moving();
+    addChannel(file, {0, 2}, {0, 0, 0, 4, 0, 0}, 3, ofNode(0, "translation"));
+    AnimatedScene animated(file.write());
+    animated.moveTo(0.5);
+    const std::vector<vec3> before = animated.scene().positions;
+    const auto then = animated.positionsAt(1.0);
+    ASSERT_TRUE(then);
+    ASSERT_EQ(then->size(), before.size());
+    EXPECT_NEAR((*then)[0].x, 2.0f, kRounding);
+    EXPECT_EQ(animated.scene().positions, before);
+    EXPECT_EQ(animated.moveTo(0.5), SceneChange::kNothing);
+}
+
+TEST(Animation, NoPositionsOfOtherTriangles) {
+    GltfFile file = moving();
+    addChannel(file, {0, 1}, {1, 1, 1, 0, 0, 0}, 3, ofNode(0, "scale"));
+    AnimatedScene animated(file.write());
+    EXPECT_TRUE(animated.positionsAt(0.5));
+    EXPECT_FALSE(animated.positionsAt(1.0)) << "scaled to nothing, it has none";
+}
+
 TEST(Animation, TheOrderOfTimesDoesNotMatter) {
     GltfFile file = moving();
     addChannel(file, {0, 2}, {0, 0, 0, 4, 1, 0}, 3, ofNode(0, "translation"));

@@ -102,31 +102,6 @@ Image<vec3> byTexels(const Scene& scene, const Receivers& receivers, const BakeP
     return light;
 }
 
-void bakeByGather(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
-                  Baked& baked) {
-    const Scene& scene = tracer.scene();
-    const Receivers& receivers = map.receivers;
-    const Timer made;
-    const SceneLights lights(tracer);
-    const ScatteredOnce once(tracer, &lights, std::vector<Bounds>{});
-    std::optional<ScatteredAgain> again;
-    if (params.bounces > 1) {
-        again.emplace(once, placeElements(tracer, someOf(scene, receivers)), std::vector<Bounds>{},
-                      params.bounces);
-    }
-    baked.stats.seconds_lights = made.seconds();
-    if (!params.indirect_only) {
-        const Timer direct;
-        baked.frame.direct = directIrradiance(tracer, lights, receivers);
-        baked.stats.seconds_direct = direct.seconds();
-    }
-    const OutgoingLight& outgoing = again ? static_cast<const OutgoingLight&>(*again) : once;
-    RayGatherer gatherer(outgoing, {.size = gatherSize(GatherRoad::kRays, params.accuracy)});
-    baked.frame.indirect = params.method == BakeMethod::kRecords
-                               ? byRecords(scene, receivers, params, gatherer, baked.stats)
-                               : byTexels(scene, receivers, params, gatherer, baked.stats);
-}
-
 void bakeByPaths(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
                  Baked& baked) {
     constexpr int kReplicates = 4;
@@ -177,24 +152,49 @@ void bakeByPaths(const Tracer& tracer, const Lightmap& map, const BakeParams& pa
 
 }  // namespace
 
+Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakeParams& params) {
+    const Scene& scene = tracer.scene();
+    Baked baked;
+    const Timer made;
+    const SceneLights lights(tracer);
+    const ScatteredOnce once(tracer, &lights, std::vector<Bounds>{});
+    std::optional<ScatteredAgain> again;
+    if (params.bounces > 1) {
+        again.emplace(once, placeElements(tracer, someOf(scene, receivers)), std::vector<Bounds>{},
+                      params.bounces);
+    }
+    baked.stats.seconds_lights = made.seconds();
+    if (!params.indirect_only) {
+        const Timer direct;
+        baked.frame.direct = directIrradiance(tracer, lights, receivers);
+        baked.stats.seconds_direct = direct.seconds();
+    }
+    const OutgoingLight& outgoing = again ? static_cast<const OutgoingLight&>(*again) : once;
+    RayGatherer gatherer(outgoing, {.size = gatherSize(GatherRoad::kRays, params.accuracy)});
+    baked.frame.indirect = params.method == BakeMethod::kRecords
+                               ? byRecords(scene, receivers, params, gatherer, baked.stats)
+                               : byTexels(scene, receivers, params, gatherer, baked.stats);
+    return baked;
+}
+
 Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params) {
     const int size = map.atlas.size;
     Baked baked;
+    switch (params.method) {
+        case BakeMethod::kRecords:
+        case BakeMethod::kTexels:
+            baked = gatherLight(tracer, map.receivers, params);
+            break;
+        case BakeMethod::kReference:
+            bakeByPaths(tracer, map, params, baked);
+            break;
+    }
     baked.frame.primitive = map.triangles;
     baked.frame.coverage = Image<float>(size, size);
     for (size_t i = 0; i < map.triangles.pixels.size(); ++i) {
         const bool own = map.receivers.seen(i);
         baked.frame.primitive.pixels[i] = own ? map.triangles.pixels[i] : kNoPrimitive;
         baked.frame.coverage.pixels[i] = own ? 1.0f : 0.0f;
-    }
-    switch (params.method) {
-        case BakeMethod::kRecords:
-        case BakeMethod::kTexels:
-            bakeByGather(tracer, map, params, baked);
-            break;
-        case BakeMethod::kReference:
-            bakeByPaths(tracer, map, params, baked);
-            break;
     }
     if (baked.frame.direct.empty()) {
         baked.frame.direct = Image<vec3>(size, size);

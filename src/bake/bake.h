@@ -41,6 +41,10 @@ struct Baked {
     BakeStats stats;
 };
 
+/// The light of receivers of a lightmap's kind (texels.h), by records or at each: the layers
+/// direct, unless only the indirect is asked for, and indirect.
+Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakeParams& params);
+
 /// Usage error for what the reference has none of. The same bits for any number of threads.
 Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params);
 

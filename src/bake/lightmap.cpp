@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <utility>
 
 #include "bake/solids.h"
+#include "bake/texels.h"
 #include "core/parallel.h"
 #include "image/frame.h"
-#include "record/record.h"
 
 namespace sheen {
 namespace {
@@ -183,17 +182,8 @@ struct Maker {
 
     void place() {
         const size_t count = map.triangles.pixels.size();
-        Receivers& r = map.receivers;
-        r.image = {.width = map.atlas.size, .height = map.atlas.size};
-        r.positions.resize(count);
-        r.normals.resize(count);
-        r.footprints.resize(count);
-        r.triangles.assign(count, kNoPrimitive);
-        r.materials.assign(count, kNoMaterial);
-        r.outward.resize(count);
-        r.orders.assign(count, static_cast<int8_t>(kNoOrder));
-        r.by_rays.resize(count);
-        r.irradiance_only = true;
+        map.receivers = unseenReceivers(map.atlas.size, map.atlas.size);
+        const Receivers& r = map.receivers;
         const Solids solids(tracer);
         std::vector<uint8_t> pushed(count);
         parallelFor(map.atlas.size, [&](int y) {
@@ -211,31 +201,13 @@ struct Maker {
             map.pushed += pushed[i] != 0 && r.seen(i) ? 1 : 0;
             map.buried += pushed[i] != 0 && !r.seen(i) ? 1 : 0;
         }
-        r.counts.seen = r.counts.diffuse = map.covered - map.buried;
     }
     void set(size_t i, const std::optional<Point>& point) {
         if (!point) {
             return;
         }
-        Receivers& r = map.receivers;
-        const uint32_t triangle = map.triangles.pixels[i];
-        r.positions[i] = point->side.position;
-        r.outward[i] = point->side.n_g;
-        r.normals[i] = point->normal;
-        r.footprints[i] = point->footprint;
-        r.triangles[i] = triangle;
-        r.materials[i] = static_cast<int>(scene.materials_of[triangle]);
-        r.orders[i] = shared::DIFFUSE_ORDER;
-    }
-
-    // What stands for the height of an image: the side of a cube of as much surface.
-    float extent() const {
-        double area2 = 0.0;
-        for (const uvec3& t : scene.triangles) {
-            const vec3& p = scene.positions[t.x];
-            area2 += glm::length(glm::cross(scene.positions[t.y] - p, scene.positions[t.z] - p));
-        }
-        return static_cast<float>(std::sqrt(area2 / 12.0));
+        putReceiver(map.receivers, i, scene, map.triangles.pixels[i], point->side, point->normal,
+                    point->footprint);
     }
 };
 
@@ -247,14 +219,7 @@ Lightmap lightmapOf(const Tracer& tracer, Atlas atlas) {
     Maker maker(tracer, map);
     maker.cover();
     maker.place();
-    std::vector<uint32_t> seen;
-    for (uint32_t i = 0; i < map.receivers.positions.size(); ++i) {
-        if (map.receivers.seen(i)) {
-            seen.push_back(i);
-        }
-    }
-    map.receivers.extent = maker.extent();
-    map.receivers.places = std::make_shared<PointIndex>(map.receivers.positions, std::move(seen));
+    indexReceivers(map.receivers, tracer.scene());
     return map;
 }
 

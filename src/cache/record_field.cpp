@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cache/reach.h"
+#include "cache/temporal.h"
 
 namespace sheen {
 namespace {
@@ -94,6 +95,21 @@ void KeptRecords::put(RecordField field) {
     }
     gather_size_ = records_.empty() ? field.gather_size : std::min(gather_size_, field.gather_size);
     std::move(field.records.begin(), field.records.end(), std::back_inserter(records_));
+}
+
+void KeptRecords::beginFrame(Ageing ageing, bool older) {
+    for (GatheredRecord& found : records_) {
+        if (older) {
+            growOlder(found, ageing.params);
+        }
+    }
+    ageing_ = std::move(ageing);
+}
+
+void KeptRecords::forgetEnded() {
+    std::erase_if(records_, [](const GatheredRecord& found) {
+        return found.lifespan > 0 && found.age >= found.lifespan;
+    });
 }
 
 }  // namespace sheen

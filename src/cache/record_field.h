@@ -1,8 +1,10 @@
 // Records as they were gathered: of a view, and over many views.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "cache/ageing.h"
 #include "cache/placement_params.h"
 #include "gather/gatherer.h"
 
@@ -33,9 +35,18 @@ class KeptRecords {
     /// Keeps a view's.
     void put(RecordField field);
 
+    /// Begins a frame of a scene that moves. `older`: something but cameras is different from the
+    /// frame before, so that records are a frame older (growOlder()).
+    void beginFrame(Ageing ageing, bool older);
+    /// Of the frame that was begun; null: none was, and records live for ever.
+    const Ageing* ageing() const { return ageing_ ? &*ageing_ : nullptr; }
+    /// Drops those whose life has ended, which no view has asked for.
+    void forgetEnded();
+
   private:
     std::vector<GatheredRecord> records_;
     int gather_size_ = 0;
+    std::optional<Ageing> ageing_;
 };
 
 }  // namespace sheen

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
 
 #include "chart/point_file.h"
 #include "cli/commands.h"
@@ -30,6 +31,10 @@ struct AnimateOptions {
     std::string animation;
     std::string frames;
     double fps = 24.0;
+    int lifespan = 0;  // of records; 0: each frame's are its own
+    std::string gradients = "extrapolated";
+    TemporalParams temporal;
+    std::vector<CLI::Option*> of_lifespans;  // that mean nothing without
     CLI::App* app = nullptr;
 };
 
@@ -60,6 +65,27 @@ Output understandOutput(AnimateOptions& o) {
     }
     output.kind = understand(r);
     return output;
+}
+
+// How records live; none: each frame has its own.
+std::optional<TemporalParams> temporalOf(const AnimateOptions& o) {
+    if (o.lifespan == 0) {
+        for (const CLI::Option* option : o.of_lifespans) {
+            if (option->count() > 0) {
+                throwUsage("{}: needs --lifespan, since otherwise each frame has its own records",
+                           option->get_name());
+            }
+        }
+        return std::nullopt;
+    }
+    const RenderParams& params = o.render.params;
+    if (!usesCache(params.method) || params.gather_road != GatherRoad::kRays) {
+        throwUsage("--lifespan: only records live, of radiance and irradiance by --gather ray");
+    }
+    TemporalParams temporal = o.temporal;
+    temporal.longest = o.lifespan;
+    temporal.extrapolate = o.gradients == "extrapolated";
+    return temporal;
 }
 
 FrameRange rangeOf(const AnimateOptions& o, const AnimatedScene& scene) {
@@ -185,11 +211,12 @@ std::vector<FrameReport> renderFrames(AnimateOptions& o, const Output& output,
                                       Warnings& warnings, Sequence& sequence) {
     RenderOptions& r = o.render;
     const double limit = r.params.time_limit;
-    FrameSequence renderer(scene, r.params, r.part);
+    FrameSequence renderer(scene, r.params,
+                           {.part = r.part, .fps = o.fps, .temporal = temporalOf(o)});
     Progress progress("frames", static_cast<int64_t>(frames.size()));
     std::vector<FrameReport> reports;
     for (const int frame : frames) {
-        const RenderResult& result = renderer.render(frame, frame / o.fps);
+        const RenderResult& result = renderer.render(frame);
         warnings.sayNew(scene.scene().warnings);
         fixExposure(o, output, result.frame, sequence);
         writeFrame(o, output, sequence, frame, result.frame);
@@ -224,15 +251,25 @@ Json reportJson(const AnimateOptions& o, const Output& output, const FrameRange&
 void printReport(const Output& output, const FrameRange& frames,
                  const std::vector<FrameReport>& reports, double seconds) {
     int same = 0, moved = 0;
+    int64_t records = 0, gathered = 0;
     for (const FrameReport& report : reports) {
         same += report.change == SceneChange::kNothing ? 1 : 0;
         moved += report.change == SceneChange::kCameras ? 1 : 0;
+        const RenderStats& stats = report.stats;
+        if (report.change != SceneChange::kNothing) {
+            records += stats.records;
+            gathered += stats.records - stats.records_reused + stats.records_renewed;
+        }
     }
     const int count = frames.last - frames.first + 1;
     const auto made = static_cast<int>(reports.size());
     fmt::print("frames    {} to {}: {} made, {} were there\n", frames.first, frames.last, made,
                count - made);
     fmt::print("changed   nothing before {} of them, only cameras before {}\n", same, moved);
+    if (records > gathered) {
+        fmt::print("records   {:.1f}% of them gathered anew, frame by frame\n",
+                   100.0 * static_cast<double>(gathered) / static_cast<double>(records));
+    }
     fmt::print("seconds   {:.3f}, {:.3f} a frame made\n", seconds, made > 0 ? seconds / made : 0.0);
     fmt::print("wrote     {}\n",
                output.movie.empty()
@@ -264,6 +301,7 @@ ExitCode runAnimate(AnimateOptions& o) {
     const Timer total;
     const Output output = understandOutput(o);
     setThreadCount(o.render.threads);
+    temporalOf(o);
     if (!o.frames.empty()) {
         parseFrames(o.frames);  // before loading
     }
@@ -316,6 +354,23 @@ Command addAnimate(CLI::App& program) {
     app->add_option("--fps", options->fps, "Frames a second; frame 0 is the animation's beginning")
         ->check(numberIn(0.001, 1000))
         ->capture_default_str();
+    app->add_option("--lifespan", options->lifespan,
+                    "radiance, irradiance: records stay in place and live for so many frames at "
+                    "most, in which something moves (temporal radiance caching), 1..1000; 0: each "
+                    "frame has its own")
+        ->check(numberIn(0, 1000))
+        ->capture_default_str();
+    options->of_lifespans = {
+        app->add_option("--temporal-accuracy", options->temporal.accuracy,
+                        "By how much of itself a record's light may change while it lives, as "
+                        "foreseen")
+            ->check(numberIn(0.001, 10))
+            ->capture_default_str(),
+        app->add_option("--temporal-gradients", options->gradients,
+                        "What a record says while it lives: goes on changing as foreseen "
+                        "(extrapolated), or stays (none)")
+            ->check(CLI::IsMember({"extrapolated", "none"}))
+            ->capture_default_str()};
     app->add_option("--animation", options->animation,
                     "Name or number of an animation; default: the file's first")
         ->type_name("NAME");

@@ -19,6 +19,8 @@ Command addCompare(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addChart(CLI::App& program);
 Command addBake(CLI::App& program);
+Command addManual(CLI::App& program);
+Command addCompletion(CLI::App& program);
 Command addAnimate(CLI::App& program);
 /// `arguments`: of the program, null at the end.
 Command addView(CLI::App& program, char** arguments);

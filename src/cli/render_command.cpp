@@ -1,17 +1,14 @@
 // sheen render: one frame of a scene into an EXR or PNG file.
 #include <algorithm>
-#include <filesystem>
 #include <memory>
-#include <utility>
 
 #include "cli/commands.h"
 #include "cli/render_report.h"
+#include "cli/render_wanted.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "image/exr.h"
 #include "image/png.h"
-#include "render/crop.h"
-#include "render/record_file.h"
 
 namespace sheen::cli {
 namespace {
@@ -19,31 +16,14 @@ namespace {
 // Of a time limit: what writing may take, and ending.
 constexpr double kWriteShare = 0.03;
 
-void writeFrame(const RenderOptions& o, FileKind kind, const Frame& frame) {
+void writeFrame(const RenderOptions& o, FileKind kind, const RenderResult& result) {
+    const Frame& frame = result.frame;
     if (kind == FileKind::kPng) {
         writePng(o.output, frame, parseExposure(o.exposure), toneCurve(o));
     } else {
-        writeExr(o.output, frame, o.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
+        writeExr(o.output, frame, o.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic,
+                 notesOf(o, result.stats));
     }
-}
-
-RenderResult renderWanted(const Scene& scene, const RenderOptions& o) {
-    Session session(scene);
-    const auto render = [&] {
-        return o.part ? renderPart(session, o.params, *o.part) : session.render(o.params);
-    };
-    if (o.cache.empty()) {
-        return render();
-    }
-    const RecordOrigin origin = {sceneFingerprint(scene), recordRecipe(o.params)};
-    KeptRecords kept;
-    if (std::filesystem::exists(o.cache)) {
-        kept = loadRecords(o.cache, origin);
-    }
-    session.keepRecords(std::move(kept), origin.recipe);
-    RenderResult result = render();
-    saveRecords(o.cache, session.records(), origin);
-    return result;
 }
 
 ExitCode runRender(RenderOptions& o) {
@@ -65,9 +45,10 @@ ExitCode runRender(RenderOptions& o) {
         constexpr double kLeast = 1e-3;
         o.params.time_limit = std::max(limit - total.seconds() - kWriteShare * limit, kLeast);
     }
-    RenderResult result = renderWanted(scene, o);
+    Session session(scene);
+    RenderResult result = renderWanted(session, scene, o);
     const Timer write;
-    writeFrame(o, kind, result.frame);
+    writeFrame(o, kind, result);
     result.stats.seconds.write = write.seconds();
     result.stats.seconds.load = load_seconds;
     result.stats.seconds.total = total.seconds();

@@ -1,20 +1,21 @@
 #include "cli/render_options.h"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <sstream>
 
 #include "core/error.h"
 
 namespace sheen::cli {
 namespace {
 
-const std::map<std::string, Method> kMethods = {{"radiance", Method::kRadiance},
-                                                {"irradiance", Method::kIrradiance},
-                                                {"reference", Method::kReference},
-                                                {"octree", Method::kOctree},
-                                                {"denoised", Method::kDenoised}};
+const std::map<std::string, Method> kMethods = {
+    {"radiance", Method::kRadiance},   {"irradiance", Method::kIrradiance},
+    {"reference", Method::kReference}, {"octree", Method::kOctree},
+    {"denoised", Method::kDenoised},   {"hints", Method::kHints}};
 
 const std::map<std::string, ToneCurve> kTones = {{"neutral", ToneCurve::kNeutral},
                                                  {"none", ToneCurve::kNone}};
@@ -105,10 +106,12 @@ struct Limiter {
 void addMethodOptions(CLI::App& app, RenderOptions& o) {
     RenderParams& p = o.params;
     const Limiter limited{o};
-    app.add_option("--method", o.method,
-                   "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
-                   "reference (path tracer), or to compare with: denoised (path tracer, filtered), "
-                   "octree (classical irradiance cache, diffuse only)")
+    app.add_option(
+           "--method", o.method,
+           "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
+           "reference (path tracer), or to compare with: denoised (path tracer, filtered), "
+           "octree (classical irradiance cache, diffuse only), hints (radiance hints: quick "
+           "and approximate)")
         ->check(CLI::IsMember(keysOf(kMethods)))
         ->capture_default_str();
     CLI::Option* accuracy = limited(
@@ -161,8 +164,13 @@ void addSamplingOptions(CLI::App& app, RenderOptions& o) {
             kCached);
     limited(app.add_option("--sh-order", o.sh_order,
                            "radiance: order of the spherical harmonics, 2..10, or auto: by "
-                           "material"),
-            {Method::kRadiance});
+                           "material; hints: 2 or 3, auto is 3"),
+            {Method::kRadiance, Method::kHints});
+    limited(app.add_option("--hints", p.hints,
+                           "hints: about so many in each volume, 64..65536; more are better and "
+                           "slower")
+                ->check(numberIn(64, 65536)),
+            {Method::kHints});
     limited(app.add_option("--gather", o.gather,
                            "radiance, irradiance: how a record sees its hemisphere: by rays "
                            "through a hemicube (ray), or rasterised: on a hemicube, or one plane "
@@ -278,6 +286,50 @@ void checkFileOptions(const RenderOptions& o, FileKind kind) {
     }
 }
 
+// Numbers in one form, so that 1 and 1.0 are the same; other text as it is.
+std::string canonical(const std::string& text) {
+    std::string out;
+    std::istringstream parts(text);
+    for (std::string part; std::getline(parts, part, ',');) {
+        double number = 0.0;
+        const char* end = part.data() + part.size();
+        const auto [stop, error] = std::from_chars(part.data(), end, number);
+        out += out.empty() ? "" : ",";
+        out += error == std::errc() && stop == end ? fmt::format("{}", number) : part;
+    }
+    return out;
+}
+
+// Whether the method has it, and it is about the image.
+bool isOfImage(const RenderOptions& o, const CLI::Option* option) {
+    constexpr std::string_view kOthers[] = {"output", "json", "threads", "exposure",
+                                            "tone",   "help", "cache"};
+    const std::vector<std::string>& names = option->get_lnames();
+    if (names.empty() ||
+        std::find(std::begin(kOthers), std::end(kOthers), names[0]) != std::end(kOthers)) {
+        return false;
+    }
+    return std::all_of(o.limited.begin(), o.limited.end(), [&](const LimitedOption& limited) {
+        const auto& methods = limited.methods;
+        return limited.option != option ||
+               std::find(methods.begin(), methods.end(), o.params.method) != methods.end();
+    });
+}
+
+// In the order of --help, whatever the one they came in, those too that have their default.
+std::string settingsOf(const RenderOptions& o) {
+    std::string text;
+    for (const CLI::Option* option : o.app->get_options()) {
+        const bool given = option->count() > 0;
+        const std::string value = given ? option->results().front() : option->get_default_str();
+        if (isOfImage(o, option) && !value.empty()) {
+            text += fmt::format("{}--{}={}", text.empty() ? "" : " ", option->get_lnames()[0],
+                                canonical(value));
+        }
+    }
+    return text;
+}
+
 std::string defaultOutput(const std::string& scene) {
     return std::filesystem::path(scene).stem().string() + ".exr";
 }
@@ -295,6 +347,7 @@ bool usesCache(Method method) {
 ToneCurve toneCurve(const RenderOptions& o) { return kTones.at(o.tone); }
 
 void addRenderOptions(CLI::App& app, RenderOptions& o) {
+    o.app = &app;
     addImageOptions(app, o);
     addMethodOptions(app, o);
     addSamplingOptions(app, o);
@@ -302,7 +355,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& o) {
     addProgramOptions(app, o);
 }
 
-FileKind understand(RenderOptions& o) {
+void understandFrame(RenderOptions& o) {
     const ivec2 size = parseSize(o.size);
     o.params.width = size.x;
     o.params.height = size.y;
@@ -322,12 +375,20 @@ FileKind understand(RenderOptions& o) {
     parseExposure(o.exposure);
     parseViewpoint(o.camera_at, o.look_at, o.fov, o.params.camera, o.load);
     checkMethodOptions(o);
+    if (o.params.method == Method::kHints && o.params.sh_order > 3) {
+        throwUsage("--sh-order {}: hints have 2 or 3", o.sh_order);
+    }
     o.params.caustics = causticsOf(o);
+    o.load.environment.no_sky =
+        usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
+    o.settings = settingsOf(o);
+}
+
+FileKind understand(RenderOptions& o) {
+    understandFrame(o);
     o.output = o.output.empty() ? defaultOutput(o.scene) : o.output;
     const FileKind kind = imageKind(o.output);
     checkFileOptions(o, kind);
-    o.load.environment.no_sky =
-        usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
     return kind;
 }
 

@@ -40,6 +40,8 @@ struct RenderOptions {
     std::string look_at;
     double fov = 0.0;  ///< degrees; 0: the camera's
     RenderParams params;
+    const CLI::App* app = nullptr;  ///< that they were added to
+    std::string settings;           ///< of the image, by options, "--size=64x64 --aa=1 ..."
     std::vector<LimitedOption> limited;
     CLI::Option* aa_option = nullptr;
     CLI::Option* exposure_option = nullptr;
@@ -52,8 +54,11 @@ struct RenderOptions {
 
 void addRenderOptions(CLI::App& app, RenderOptions& o);
 
-/// Fills `params`, `load` and `output` by what the others say; returns what file that is to be.
-/// Usage error for what cannot be, or does not go together.
+/// Fills `params`, `load` and `settings` by what the others say. Usage error for what cannot be, or
+/// does not go together.
+void understandFrame(RenderOptions& o);
+
+/// The same, and `output`; returns what file that is to be.
 FileKind understand(RenderOptions& o);
 
 /// The curve that --tone names.

@@ -1,6 +1,7 @@
 #include "cli/render_report.h"
 
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -87,6 +88,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"records", stats.records},
                  {"records_of_clusters", stats.records_of_clusters},
                  {"records_reused", stats.records_reused},
+                 {"records_renewed", stats.records_renewed},
                  {"seconds", seconds},
                  {"pixels_geometry", stats.pixels_geometry},
                  {"pixels_uncovered", stats.pixels_uncovered},
@@ -112,11 +114,39 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
         json["caustic_photons"] = stats.caustic_photons;
         json["elements_missed_share"] = stats.elements_missed_share;
     }
+    if (o.params.method == Method::kHints) {
+        json["hints"] = stats.hints;
+        json["lit_samples"] = stats.lit_samples;
+    }
     if (tracesPaths(o.params.method)) {
         json["mrays_per_second"] = stats.mrays_per_second;
         json["spp"] = stats.spp;
     }
     return json;
+}
+
+ExrNotes notesOf(const RenderOptions& o, const RenderStats& stats) {
+    ExrNotes notes{.texts = {{"software", "sheen " SHEEN_VERSION},
+                             {"sheen.scene", std::filesystem::path(o.scene).filename().string()},
+                             {"sheen.method", o.method},
+                             {"sheen.options", o.settings}},
+                   .numbers = {{"whiteLuminance", 1.0f}}};  // of (1, 1, 1), nits
+    const auto add = [&](const char* name, double value) {
+        if (std::isfinite(value)) {
+            notes.numbers[name] = static_cast<float>(value);
+        }
+    };
+    add("sheen.estimated_rel_rmse", stats.estimated_rel_rmse);
+    add("sheen.estimate_low", stats.estimate_low);
+    add("sheen.estimate_high", stats.estimate_high);
+    if (usesCache(o.params.method)) {
+        add("sheen.accuracy", stats.accuracy);
+        add("sheen.records", stats.records);
+    }
+    if (tracesPaths(o.params.method)) {
+        add("sheen.spp", stats.spp);
+    }
+    return notes;
 }
 
 void printStats(const RenderOptions& o, const RenderStats& stats) {
@@ -130,6 +160,9 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
     if (tracesPaths(o.params.method)) {
         fmt::print("rays      {:.2f} million a second, {} threads; {} paths a pixel\n",
                    stats.mrays_per_second, threadCount(), stats.spp);
+    } else if (o.params.method == Method::kHints) {
+        fmt::print("hints     {}, of {} samples of lit surfaces; pixels that see none: {} of {}\n",
+                   stats.hints, stats.lit_samples, stats.pixels_uncovered, stats.pixels_geometry);
     } else {
         fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
                    stats.pixels_uncovered, stats.pixels_geometry);

@@ -3,6 +3,7 @@
 
 #include "cli/output.h"
 #include "cli/render_options.h"
+#include "image/exr.h"
 
 namespace sheen::cli {
 
@@ -13,7 +14,11 @@ void warnOf(const RenderOptions& o, const Scene& scene, const RenderResult& resu
 /// Every figure.
 Json statsJson(const RenderOptions& o, const RenderStats& stats);
 
-/// The same for people.
+/// What an EXR file is to say of itself: by which version, options and scene it was made, how wrong
+/// its light may be. The same for the same image, whenever and by however many threads it was made.
+ExrNotes notesOf(const RenderOptions& o, const RenderStats& stats);
+
+/// Every figure, for people.
 void printStats(const RenderOptions& o, const RenderStats& stats);
 
 }  // namespace sheen::cli

@@ -16,8 +16,10 @@ ExitCode runView(ViewOptions& o, char** arguments) {
     const std::filesystem::path program =
         std::filesystem::read_symlink("/proc/self/exe").replace_filename("sheen-viewer");
     execv(program.c_str(), arguments);
-    throwEnvironment("view: {} cannot be run; this build has no viewer (SHEEN_VIEWER=OFF)",
-                     program.string());
+    throwEnvironment(
+        "view: {} cannot be run; install the package sheen-viewer, or build with "
+        "SHEEN_VIEWER",
+        program.string());
 }
 
 }  // namespace

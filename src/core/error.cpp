@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "core/listener.h"
+
 namespace sheen {
 namespace {
 
@@ -39,6 +41,13 @@ void checkFailed(const char* file, int line, const std::string& what) {
 
 void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
 
-void warn(const std::string& message) { say(fmt::format("sheen: warning: {}\n", message)); }
+void warn(const std::string& message) {
+    const Listener* listener = currentListener();
+    if (listener == nullptr) {
+        say(fmt::format("sheen: warning: {}\n", message));
+    } else if (listener->warning) {
+        listener->warning(oneLine(message));
+    }
+}
 
 }  // namespace sheen

@@ -20,10 +20,11 @@ Progress::Progress(std::string label, int64_t total, bool quiet)
     : label_(std::move(label)),
       total_(std::max<int64_t>(total, 1)),
       quiet_(quiet),
+      listener_(currentListener()),
       terminal_(isatty(STDERR_FILENO) != 0) {}
 
 Progress::~Progress() {
-    if (terminal_ && printed_percent_ >= 0) {
+    if (listener_ == nullptr && terminal_ && printed_percent_ >= 0) {
         say("\n");
     }
 }
@@ -31,8 +32,17 @@ Progress::~Progress() {
 void Progress::advance(int64_t steps) {
     const std::lock_guard<std::mutex> lock(mutex_);
     done_ = std::min(done_ + steps, total_);
-    if (!quiet_ && timer_.seconds() > kQuietSeconds) {
+    if (listener_ != nullptr) {
+        tell(static_cast<int>(100 * done_ / total_));
+    } else if (!quiet_ && timer_.seconds() > kQuietSeconds) {
         print();
+    }
+}
+
+void Progress::tell(int percent) {
+    if (listener_->progress && percent != printed_percent_) {
+        printed_percent_ = percent;
+        listener_->progress(label_, static_cast<double>(done_) / static_cast<double>(total_));
     }
 }
 

@@ -2,6 +2,7 @@
 // raster (ray_gather.h, raster_gather.h), each a class behind this interface.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "record/record.h"
 
 namespace sheen {
+
+class Motion;
 
 /// What a gather found at a site, before any clamp of the radius.
 struct GatheredRecord {
@@ -23,6 +26,24 @@ struct GatheredRecord {
     float lobe_texels =
         0;  ///< so many texels count in that mean: (sum of weights)^2 / sum of squares
     std::vector<Contrast> contrasts = {};  ///< the strongest, for records to come
+    /// What would have been found in the next frame, as far as known motion tells (Motion); none
+    /// where nothing that is seen moves.
+    struct Later {
+        vec3 irradiance{0.0f};
+        std::vector<float> sh;  ///< likewise ShLayout
+    };
+    std::optional<Later> later = {};
+    // Of records that live for some frames (cache/temporal.h).
+    /// A few of the rays that saw it, and what they saw: cast again they tell whether it is so.
+    struct Witness {
+        vec3 direction{0.0f};
+        float solid_angle = 0;  ///< that the ray stands for
+        vec3 light{0.0f};
+    };
+    std::vector<Witness> witnesses = {};
+    vec3 eye{0.0f};    ///< where they start
+    int age = 0;       ///< frames since it was gathered
+    int lifespan = 0;  ///< frames
 };
 
 /// Wall-clock time of a gather.
@@ -41,6 +62,16 @@ class Gatherer {
 
     /// One result a site, in order.
     virtual std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) = 0;
+
+    /// From now on records have witnesses, and tell what they will see in the next frame
+    /// (GatheredRecord::later), where the gatherer can; `motion` must outlive it.
+    virtual void lookAheadBy(const Motion& motion) { static_cast<void>(motion); }
+    /// By how much of itself the light at records has changed since they were gathered, as far as
+    /// their witnesses tell: of diffuse ones the irradiance, of others what comes from any
+    /// direction. 0 without witnesses.
+    virtual std::vector<float> changesSince(std::span<const GatheredRecord* const> records) {
+        return std::vector<float>(records.size(), 0.0f);
+    }
 
     /// Time spent so far.
     GatherSeconds seconds() const { return seconds_; }

@@ -6,6 +6,8 @@
 
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gather/face_directions.h"
+#include "gather/motion.h"
 #include "rays/jitter.h"
 
 namespace sheen {
@@ -36,33 +38,8 @@ constexpr float kSideStep = 1.25f;
 constexpr float kMostSteps = 2.0f;
 constexpr int kEnoughTexels = 128;  // no record takes more for its reach
 
-// A face of the hemisphere in world space.
-struct WorldFace {
-    mat3 axes;  // right, up, forward
-    mat3 inverse_axes;
-    vec2 step;  // from texel to texel, in u and v
-
-    WorldFace(const HemisphereFace& face, const mat3& frame)
-        : axes(frame * mat3(face.right, face.up, face.forward)),
-          inverse_axes(glm::inverse(axes)),
-          step(2.0f / vec2(face.width, face.height)) {}
-
-    vec3 direction(int x, int y, const vec2& place) const {
-        const vec2 uv = (vec2(x, y) + place) * step - 1.0f;
-        return glm::normalize(axes * vec3(uv, 1.0f));
-    }
-    // Where a direction meets the face, in texels; nothing where it does not.
-    std::optional<vec2> meet(const vec3& direction) const {
-        const vec3 p = inverse_axes * direction;
-        const vec2 uv = vec2(p) / p.z;
-        const bool meets = p.z > 0.0f && std::abs(uv.x) <= 1.0f && std::abs(uv.y) <= 1.0f;
-        return meets ? std::optional((uv + 1.0f) / step) : std::nullopt;
-    }
-};
-
-size_t texelOf(const Hemisphere& h, const HemisphereFace& face, int x, int y) {
-    return static_cast<size_t>((face.y + y) * h.width + face.x + x);
-}
+// Of rays that are cast again to see whether a record is still right.
+constexpr size_t kWitnesses = 32;
 
 // Rays of a record, and the texels they are for. Directions below the surface, to where the shading
 // normal's hemisphere may reach, are not cast: nothing comes from there.
@@ -146,7 +123,7 @@ std::vector<float> contrastsOfNeighbours(const Hemisphere& h, std::span<const fl
 // What is smaller than a texel and bright, one ray in many meets, and no neighbour: half of the
 // variance lies in one texel of a hundred, and records nearby know which. Raises the contrasts of
 // the four texels that lie nearest to each of theirs. `scale`: what their strengths are times.
-void heedContrasts(const Hemisphere& h, std::span<const WorldFace> faces, const vec3& eye,
+void heedContrasts(const Hemisphere& h, std::span<const FaceDirections> faces, const vec3& eye,
                    std::span<const Contrast> found, float scale, std::vector<float>& contrasts) {
     for (const Contrast& c : found) {
         for (size_t f = 0; f < faces.size(); ++f) {
@@ -174,8 +151,8 @@ int raysMore(float contrast) {
 // One ray through each texel, at a random place of its own. Neighbours, which decide how many more
 // there are of a texel, are of other sets: did their chance depend on the texel's, light would be
 // lost or won.
-TexelRays raysThroughTexels(const Hemisphere& h, std::span<const WorldFace> faces, const vec3& n_g,
-                            uint32_t seed) {
+TexelRays raysThroughTexels(const Hemisphere& h, std::span<const FaceDirections> faces,
+                            const vec3& n_g, uint32_t seed) {
     TexelRays rays{.n_g = n_g};
     rays.reserve(static_cast<size_t>(h.texelCount()));
     for (size_t f = 0; f < faces.size(); ++f) {
@@ -197,7 +174,7 @@ TexelRays raysThroughTexels(const Hemisphere& h, std::span<const WorldFace> face
 }
 
 // More where light changes, spread evenly over the texel from a random place on [Rob18].
-TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const WorldFace> faces,
+TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const FaceDirections> faces,
                                 const vec3& n_g, uint32_t seed, std::span<const float> contrasts) {
     TexelRays rays{.n_g = n_g};
     rays.reserve(2 * contrasts.size());
@@ -344,12 +321,70 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         results[i] = integrateHemisphere(resolutions[i]->hemisphere, seen[i].texels,
                                          resolutions[i]->projections.of(sites[i].order), sites[i]);
         results[i].contrasts = std::move(seen[i].contrasts);
+        results[i].witnesses = std::move(seen[i].witnesses);
+        results[i].eye = sites[i].eye();
+        lookAhead(*resolutions[i], seen[i].texels, sites[i], results[i]);
     });
     seconds_.project += project_timer.seconds();
     for (const Seen& s : seen) {
         rays_cast_ += s.rays;
     }
     return results;
+}
+
+std::vector<float> RayGatherer::changesSince(std::span<const GatheredRecord* const> records) {
+    const Timer timer;
+    std::vector<float> changes(records.size());
+    parallelFor(static_cast<int>(records.size()), [&](int k) {
+        const auto i = static_cast<size_t>(k);
+        changes[i] = changeSince(*records[i]);
+    });
+    seconds_.see += timer.seconds();
+    return changes;
+}
+
+// The rays are those of then, so that where nothing has changed there is no noise.
+float RayGatherer::changeSince(const GatheredRecord& record) const {
+    const bool diffuse = record.record.order == shared::DIFFUSE_ORDER;
+    std::vector<vec3> directions;
+    std::vector<float> solid_angles;
+    for (const GatheredRecord::Witness& witness : record.witnesses) {
+        directions.push_back(witness.direction);
+        solid_angles.push_back(witness.solid_angle);
+    }
+    std::vector<vec4> seen(directions.size());
+    light_.cast({.origin = record.eye,
+                 .directions = directions,
+                 .solid_angles = solid_angles,
+                 .without_caustics = without_caustics_},
+                seen.data());
+    float change = 0.0f, before = 0.0f, after = 0.0f;
+    for (size_t k = 0; k < seen.size(); ++k) {
+        const float cosine = glm::dot(record.record.normal, directions[k]);
+        const float weight = solid_angles[k] * (diffuse ? std::max(cosine, 0.0f) : 1.0f);
+        const float was = weight * luminance(record.witnesses[k].light);
+        const float is = weight * luminance(vec3(seen[k]));
+        before += was;
+        after += is;
+        change += diffuse ? is - was : std::abs(is - was);
+    }
+    const float most = std::max(before, after);
+    return most > 0.0f ? std::abs(change) / most : 0.0f;
+}
+
+void RayGatherer::lookAhead(const Resolution& resolution, SeenTexels& seen, const RecordSite& site,
+                            GatheredRecord& result) const {
+    if (motion_ == nullptr) {
+        return;
+    }
+    auto later = motion_->reproject(resolution.hemisphere, site, seen.light);
+    if (!later) {
+        return;
+    }
+    seen.light = std::move(*later);
+    GatheredRecord then = integrateHemisphere(resolution.hemisphere, seen,
+                                              resolution.projections.of(site.order), site);
+    result.later = GatheredRecord::Later{then.record.irradiance, std::move(then.sh)};
 }
 
 // Rays through the middles of texels would all miss, or all meet, a thin thing that lies along a
@@ -360,7 +395,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
     const mat3 frame = tangentFrame(site.normal);
     const vec3 eye = site.eye();
     const std::span<const float> weights = weightsFor(h, site.order);
-    std::vector<WorldFace> faces;
+    std::vector<FaceDirections> faces;
     for (const HemisphereFace& face : h.faces) {
         faces.emplace_back(face, frame);
     }
@@ -377,6 +412,11 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
         result.texels.planes[first.of[i]] = planes[i] * frame;  // into the record's frame
     }
 
+    for (size_t k = 0; motion_ != nullptr && k < kWitnesses && !first.of.empty(); ++k) {
+        const size_t i = (2 * k + 1) * first.of.size() / (2 * kWitnesses);
+        result.witnesses.push_back(
+            {first.directions[i], first.solid_angles[i], vec3(first_seen[i])});
+    }
     std::vector<float> contrasts = contrastsOfNeighbours(h, relativeLight(texels, weights));
     // What is smaller than a texel deviates, over what a texel brings, as the side.
     const float sharpness = static_cast<float>(h.params.size) / static_cast<float>(params_.size);

@@ -33,6 +33,9 @@ class RayGatherer : public Gatherer {
 
     std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override;
 
+    void lookAheadBy(const Motion& motion) override { motion_ = &motion; }
+    std::vector<float> changesSince(std::span<const GatheredRecord* const> records) override;
+
     /// Rays cast so far from records, those from what they met to the lights not counted.
     int64_t rays() const { return rays_cast_; }
 
@@ -44,15 +47,20 @@ class RayGatherer : public Gatherer {
     struct Seen {
         SeenTexels texels;
         std::vector<Contrast> contrasts;
+        std::vector<GatheredRecord::Witness> witnesses;
         int64_t rays = 0;
     };
     std::vector<const Resolution*> prepare(std::span<const RecordSite> sites);
     Seen see(const Hemisphere& h, const RecordSite& site, uint32_t seed,
              std::span<const Contrast> found) const;
+    float changeSince(const GatheredRecord& record) const;
+    void lookAhead(const Resolution& resolution, SeenTexels& seen, const RecordSite& site,
+                   GatheredRecord& result) const;
 
     const OutgoingLight& light_;
     HemisphereParams params_;
     bool without_caustics_;
+    const Motion* motion_ = nullptr;         // none: nothing is known of the next frame
     std::map<int, Resolution> resolutions_;  // by texels along the side
     int64_t rays_cast_ = 0;
 };

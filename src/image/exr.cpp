@@ -2,11 +2,13 @@
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfCompression.h>
+#include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTestFile.h>
 #include <OpenEXR/ImfThreading.h>
 
@@ -137,30 +139,28 @@ class Channels {
     std::deque<std::vector<half>> halves_;  // a deque: slices point into its elements
 };
 
-// Layers whose names the header comment lists, in file order (OpenEXR sorts channels by name).
-void addLayers(Channels& channels, const Frame& frame, ExrLayers layers) {
-    const bool all = layers == ExrLayers::kAll;
-    channels.addColor("direct.", kRgb, frame.direct, true);
-    channels.addColor("indirect.", kRgb, frame.indirect, true);
-    if (all || !frame.indirect_diffuse_variance.empty()) {
-        channels.addColor("indirect_diffuse.", kRgb, frame.indirect_diffuse, true);
-    }
-    channels.addColor("caustic.", kRgb, frame.caustic, true);
+// Layers whose names the header comment lists (OpenEXR sorts channels by name).
+void addLayers(Channels& channels, const Frame& frame, ExrLayers wanted) {
     channels.addIds(kPrimitiveChannel, frame.primitive);
-    channels.addColor("variance.", kRgb, frame.indirect_variance, false);
-    channels.addColor("variance_diffuse.", kRgb, frame.indirect_diffuse_variance, false);
-    channels.addColor("variance_direct.", kRgb, frame.direct_variance, false);
-    channels.addColor("variance_caustic.", kRgb, frame.caustic_variance, false);
-    channels.addColor("variance_global.", kRgb, frame.global_variance, false);
-    if (all) {
-        channels.addColor("emission.", kRgb, frame.emission, true);
-        channels.addColor("albedo.", kRgb, frame.albedo, true);
-        channels.addColor("normal.", kXyz, frame.normal, true);
-        channels.addColor("position.", kXyz, frame.position, false);
-        channels.addScalar("roughness.Y", frame.roughness, true);
-        channels.addScalar("depth.Z", frame.depth, false);
-        channels.addScalar("weight.Y", frame.weight, false);
-        channels.addScalar("records.Y", frame.records, false);
+    for (const FrameLayer& layer : layersOf(frame)) {
+        if (wanted != ExrLayers::kAll && !layer.basic) {
+            continue;
+        }
+        const std::string prefix = std::string(layer.in_files) + ".";
+        switch (layer.kind) {
+            case FrameLayer::Kind::kColor:
+                channels.addColor(prefix, kRgb, *layer.triples, !layer.exact);
+                break;
+            case FrameLayer::Kind::kVector:
+                channels.addColor(prefix, kXyz, *layer.triples, !layer.exact);
+                break;
+            case FrameLayer::Kind::kNumber:
+                channels.addScalar(prefix + "Y", *layer.numbers, !layer.exact);
+                break;
+            case FrameLayer::Kind::kDepth:
+                channels.addScalar(layer.in_files, *layer.numbers, !layer.exact);
+                break;
+        }
     }
 }
 
@@ -290,7 +290,8 @@ void checkIsExr(const std::string& path) {
 
 }  // namespace
 
-void writeExr(const std::string& path, const Frame& frame, ExrLayers layers) {
+void writeExr(const std::string& path, const Frame& frame, ExrLayers layers,
+              const ExrNotes& notes) {
     SHEEN_CHECK(!frame.primitive.empty());
     const bool exact = !frame.indirect_variance.empty() || !frame.indirect_diffuse_variance.empty();
     const Image<vec3> beauty_image = beauty(frame);
@@ -302,6 +303,12 @@ void writeExr(const std::string& path, const Frame& frame, ExrLayers layers) {
     AtomicFile file(path);
     Imf::Header header(frame.width(), frame.height());
     header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, text] : notes.texts) {
+        header.insert(name, Imf::StringAttribute(text));
+    }
+    for (const auto& [name, number] : notes.numbers) {
+        header.insert(name, Imf::FloatAttribute(number));
+    }
     Imf::setGlobalThreadCount(threadCount());
     try {
         channels.write(file, header);

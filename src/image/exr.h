@@ -1,11 +1,11 @@
 // Frames as OpenEXR files: the lossless output of a render and the input of a comparison.
 //
-// Layers and their channels (design section 4):
+// Layers and their channels; depth, normals and positions by the names that compositors expect:
 //   beauty R,G,B,A          direct + indirect + caustic + emission; A is 1 where geometry or a sky
 //                           is seen, else 0
 //   direct, indirect, caustic, indirect_diffuse, emission, albedo    .R .G .B
-//   normal, position        .X .Y .Z
-//   roughness.Y depth.Z weight.Y records.Y
+//   N (normal), P (position)    .X .Y .Z
+//   Z (depth), roughness.Y weight.Y records.Y
 //   primitive.id            unsigned integer, kNoPrimitive where nothing is seen
 //   variance, variance_diffuse, variance_direct, variance_caustic, variance_global    .R .G .B;
 //                           variance of the mean of indirect, indirect_diffuse, direct, caustic,
@@ -27,10 +27,16 @@ enum class ExrLayers {
     kAll,    ///< every layer the frame has
 };
 
-/// Writes `frame` to `path`, which appears whole or not at all. Values above half's largest (65504)
-/// are clamped in half channels, and their number is warned of. Environment error where the file
+/// What a file says of itself: attributes of its header, by their names.
+struct ExrNotes {
+    std::map<std::string, std::string> texts;
+    std::map<std::string, float> numbers;
+};
+
+/// Writes `frame` to `path`, which appears whole or not at all. Environment error where the file
 /// cannot be written.
-void writeExr(const std::string& path, const Frame& frame, ExrLayers layers);
+void writeExr(const std::string& path, const Frame& frame, ExrLayers layers,
+              const ExrNotes& notes = {});
 
 /// What an EXR file holds. Half and integer channels are converted to float.
 struct LoadedExr {

@@ -26,4 +26,37 @@ Image<vec3> beauty(const Frame& frame) {
     return sum;
 }
 
+std::vector<FrameLayer> layersOf(const Frame& frame) {
+    using Kind = FrameLayer::Kind;
+    // A reference knows the variance of that layer, which is of no use without it.
+    const bool judged = !frame.indirect_diffuse_variance.empty();
+    const FrameLayer all[] = {
+        {"direct", "direct", Kind::kColor, false, true, &frame.direct},
+        {"indirect", "indirect", Kind::kColor, false, true, &frame.indirect},
+        {"indirect_diffuse", "indirect_diffuse", Kind::kColor, false, judged,
+         &frame.indirect_diffuse},
+        {"caustic", "caustic", Kind::kColor, false, true, &frame.caustic},
+        {"variance", "variance", Kind::kColor, true, true, &frame.indirect_variance},
+        {"variance_diffuse", "variance_diffuse", Kind::kColor, true, true,
+         &frame.indirect_diffuse_variance},
+        {"variance_direct", "variance_direct", Kind::kColor, true, true, &frame.direct_variance},
+        {"variance_caustic", "variance_caustic", Kind::kColor, true, true, &frame.caustic_variance},
+        {"variance_global", "variance_global", Kind::kColor, true, true, &frame.global_variance},
+        {"emission", "emission", Kind::kColor, false, false, &frame.emission},
+        {"albedo", "albedo", Kind::kColor, false, false, &frame.albedo},
+        {"normal", "N", Kind::kVector, false, false, &frame.normal},
+        {"position", "P", Kind::kVector, true, false, &frame.position},
+        {"roughness", "roughness", Kind::kNumber, false, false, nullptr, &frame.roughness},
+        {"depth", "Z", Kind::kDepth, true, false, nullptr, &frame.depth},
+        {"weight", "weight", Kind::kNumber, true, false, nullptr, &frame.weight},
+        {"records", "records", Kind::kNumber, true, false, nullptr, &frame.records}};
+    std::vector<FrameLayer> layers;
+    for (const FrameLayer& layer : all) {
+        if (layer.triples != nullptr ? !layer.triples->empty() : !layer.numbers->empty()) {
+            layers.push_back(layer);
+        }
+    }
+    return layers;
+}
+
 }  // namespace sheen

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "image/image.h"
 
@@ -48,5 +49,22 @@ Image<float> alpha(const Frame& frame);
 /// What the camera sees: direct + indirect + caustic + emission; a layer the frame lacks counts as
 /// black.
 Image<vec3> beauty(const Frame& frame);
+
+/// A layer that a frame has, of one kind of pixels.
+struct FrameLayer {
+    /// What its values are, and so what its channels are called: R, G, B; X, Y, Z; Y; or, of a
+    /// depth, Z without a layer.
+    enum class Kind { kColor, kVector, kNumber, kDepth };
+    const char* name;
+    const char* in_files;  ///< as other programs call it: docs/conventions.md
+    Kind kind;
+    bool exact;  ///< halves would not do
+    bool basic;  ///< of every file, not only where all layers are asked for
+    const Image<vec3>* triples = nullptr;
+    const Image<float>* numbers = nullptr;
+};
+
+/// All that are not empty, but for beauty, alpha and primitive, which each frame has.
+std::vector<FrameLayer> layersOf(const Frame& frame);
 
 }  // namespace sheen

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <span>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +10,7 @@
 #include "cache/scan.h"
 #include "core/error.h"
 #include "core/timer.h"
+#include "render/hints.h"
 #include "render/memory_check.h"
 #include "render/pass.h"
 
@@ -23,68 +24,26 @@ constexpr double kFillOverShow = 2.0;
 constexpr int kFinest = 2;  // of images of views that move
 // Sites gathered at a time: few, so that a step ends in time.
 constexpr int kBatch = 16;
-// Where an image is incomplete records serve as far as so many times their reach what none serves.
-constexpr float kFarther = 8.0f;
-// Rays of a pixel too glossy for the cache in a coarse image, over those of a whole one.
-constexpr float kCoarseRays = 0.1f;
+// Of each volume: few, since they only stand in for records.
+constexpr int kHints = 2048;
+// Rays of a pixel too glossy for the cache before the image is complete, over those that it then
+// has.
+constexpr float kFewRays = 0.1f;
 
-bool isServed(const SplatBuffer& splat, size_t i) {
-    return splat.irradiance.pixels[i].w > shared::MIN_WEIGHT_SUM;
-}
-
-// What receivers that no record serves get on average, as if from everywhere.
-void serveByMean(const Receivers& receivers, std::span<const size_t> missed, SplatBuffer& splat) {
-    vec3 sum(0.0f);
-    float count = 0.0f;
+// Receivers that no record serves have what hints say of them. How many there are.
+int serveByHints(const Receivers& receivers, const HintLight& hinted, SplatBuffer& splat) {
+    int count = 0;
     for (size_t i = 0; i < receivers.positions.size(); ++i) {
-        if (receivers.seen(i) && isServed(splat, i)) {
-            sum += vec3(splat.irradiance.pixels[i]) / splat.irradiance.pixels[i].w;
-            count += 1.0f;
+        if (!receivers.seen(i) || splat.irradiance.pixels[i].w > shared::MIN_WEIGHT_SUM) {
+            continue;
         }
-    }
-    const vec3 mean = sum / std::max(count, 1.0f);
-    for (const size_t i : missed) {
-        splat.irradiance.pixels[i] = vec4(mean, 1.0f);
+        ++count;
+        splat.irradiance.pixels[i] = vec4(hinted.irradiance[i], 1.0f);
         if (receivers.orders[i] > shared::DIFFUSE_ORDER && !splat.specular.empty()) {
             const vec3 scale = glm::max(receivers.lobes.scale[i], vec3(1e-12f));
-            const vec3 reflected = receivers.specularAlbedo(i) * mean / kPi;
-            splat.specular.pixels[i] = vec4(reflected / scale, 0.0f);
+            splat.specular.pixels[i] = vec4(hinted.reflected[i] / scale, 0.0f);
         }
     }
-}
-
-// Receivers that no record serves are served by those whose reach is made longer, or by the mean of
-// all others. How many there were.
-int serveAll(SceneState& state, const ViewState& view, RecordCache cache,
-             const PlacementParams& how, SplatBuffer& splat) {
-    const WeightParams weight = how.servingWeight();
-    std::vector<size_t> missed;
-    for (size_t i = 0; i < splat.irradiance.pixels.size(); ++i) {
-        if (view.receivers.seen(i) && !isServed(splat, i)) {
-            missed.push_back(i);
-        }
-    }
-    const auto count = static_cast<int>(missed.size());
-    if (missed.empty() || cache.records.empty()) {
-        return count;
-    }
-    for (Record& record : cache.records) {
-        record.radius *= kFarther;
-        boundGradients(record, cache.sh.data() + record.sh_first, weight.accuracy * record.radius,
-                       how.gradient_limit);
-    }
-    const SplatBuffer farther = splatView(state, view, cache, weight);
-    std::erase_if(missed, [&](size_t i) {
-        if (!isServed(farther, i)) {
-            return false;
-        }
-        splat.irradiance.pixels[i] = farther.irradiance.pixels[i];
-        if (!splat.specular.empty()) {
-            splat.specular.pixels[i] = farther.specular.pixels[i];
-        }
-        return true;
-    });
-    serveByMean(view.receivers, missed, splat);
     return count;
 }
 
@@ -107,6 +66,7 @@ struct Level {
     Scan scan;
     const size_t began_with;  // records
     bool full = false;
+    std::optional<HintLight> hinted;  // what its pixels get before records serve them
 
     Level(SceneState& state, const RenderParams& params_, KeptRecords* kept, StageSeconds& seconds)
         : params(params_),
@@ -136,6 +96,7 @@ struct LiveImage::State {
     RenderParams params;
     std::string recipe;
     std::unique_ptr<SceneState> built;
+    std::optional<RadianceHints> hints;
     KeptRecords kept;
     std::unique_ptr<Level> level;
     int divisor = kCoarsest;  // of the level
@@ -164,18 +125,13 @@ struct LiveImage::State {
         p.width = std::max(params.width / of_divisor, 1);
         p.height = std::max(params.height / of_divisor, 1);
         p.aa = 1;
-        if (of_divisor > 1) {
-            p.specular.rays_per_alpha *= kCoarseRays;
-        }
+        p.specular.rays_per_alpha *= kFewRays;
         return p;
     }
     void begin(int at) {
         retire();
         divisor = at;
         shown = false;
-        if (!built) {
-            built = std::make_unique<SceneState>(scene, params.gather_road, progress.seconds);
-        }
         level = std::make_unique<Level>(*built, paramsOf(at), &kept, progress.seconds);
     }
     RenderParams paramsOfWhole() const {
@@ -184,6 +140,8 @@ struct LiveImage::State {
         p.specular.pixel_area = p.aa > 1;
         return p;
     }
+    // Where there are no records yet: a frame by hints alone, at once. Whether it was one.
+    bool beginByHints();
     // Places records for about so many seconds of the timer, and shows what there is.
     void fill(const Timer& timer, double seconds);
     void show();
@@ -227,6 +185,7 @@ void LiveImage::setParams(const RenderParams& params) {
     const std::string recipe = recordRecipe(wanted);
     if (recipe != s_->recipe) {
         s_->forget();
+        s_->hints.reset();
         s_->recipe = recipe;
     }
     s_->params = wanted;
@@ -235,6 +194,7 @@ void LiveImage::setParams(const RenderParams& params) {
 
 void LiveImage::edit(const std::function<void(Scene&)>& change) {
     s_->forget();
+    s_->hints.reset();
     change(s_->scene);
     if (s_->built) {
         s_->built->relight();
@@ -249,11 +209,15 @@ void LiveImage::step(double seconds) {
         return;
     }
     s.progress.seconds = {};
-    if (!s.changed && s.level->full && s.divisor == 1) {
+    if (!s.changed && s.level && s.level->full && s.divisor == 1) {
         s.finish();
     } else {
         const bool began = std::exchange(s.changed, false);
-        if (began) {
+        if (began && s.beginByHints()) {
+            s.progress.seconds.total = timer.seconds();
+            return;
+        }
+        if (began || !s.level) {
             s.progress.complete = false;
             s.begin(s.begin_at);
         } else if (s.level->full) {
@@ -265,6 +229,30 @@ void LiveImage::step(double seconds) {
         }
     }
     s.progress.seconds.total = timer.seconds();
+}
+
+bool LiveImage::State::beginByHints() {
+    if (!built) {
+        built = std::make_unique<SceneState>(scene, params.gather_road, progress.seconds);
+    }
+    if (level || kept.size() > 0) {
+        return false;
+    }
+    RenderParams p = paramsOf(begin_at);
+    p.all_layers = true;
+    p.hints = kHints;
+    p.sh_order = 0;  // their own
+    RenderResult result;
+    renderGroundByHints({built->tracer, *built->lights, hints}, p, result);
+    frame = std::move(result.frame);
+    frame.shows_sky = scene.environment.shows();
+    orders = Image<float>(p.width, p.height);
+    marks.clear();
+    progress = {.width = p.width,
+                .height = p.height,
+                .uncovered = result.stats.pixels_uncovered,
+                .seconds = result.stats.seconds};
+    return true;
 }
 
 void LiveImage::State::fill(const Timer& timer, double seconds) {
@@ -307,11 +295,18 @@ void LiveImage::State::show() {
     const WeightParams weight = level->how.servingWeight();
     const Timer splat_timer;
     SplatBuffer splat = splatView(*built, level->view, cache, weight);
-    progress.uncovered = level->full ? 0 : serveAll(*built, level->view, cache, level->how, splat);
+    progress.uncovered = 0;
+    if (!level->full) {
+        if (!level->hinted) {
+            level->hinted = hints->at(level->view.receivers);
+        }
+        progress.uncovered = serveByHints(level->view.receivers, *level->hinted, splat);
+    }
     progress.seconds.splat += splat_timer.seconds();
     const Timer compose_timer;
     frame = {};
-    compose(level->view.receivers, splat, specularByRays(level->view, splat), true, frame);
+    compose(level->view.receivers, splat, specularByRays(level->view, splat, level->full), true,
+            frame);
     for (size_t i = 0; i < level->view.of_coats.pixels.size(); ++i) {
         frame.indirect.pixels[i] += level->view.of_coats.pixels[i];
     }

@@ -66,6 +66,9 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     constexpr uint64_t kPerTriangle = 650;
     constexpr uint64_t kKept = uint64_t{112} << 20;  // light of more than one bounce
     constexpr uint64_t kKeptPerTriangle = 40;
+    // With what each looks at, and its volume's share of what is found in between.
+    constexpr uint64_t kPerHint = 3000;
+    constexpr uint64_t kVolumes = 6;      // as many as nearBoxes() makes of large surroundings
     constexpr uint64_t kPerPhoton = 400;  // as it is found, and in the map
     const uint64_t pixels =
         static_cast<uint64_t>(params.width) * static_cast<uint64_t>(params.height);
@@ -78,12 +81,16 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     const bool caustics =
         records && findsCaustics(params.method, params.gather_road) && anySpecular(scene);
     const uint64_t photons = caustics ? kPerPhoton * static_cast<uint64_t>(params.caustics) : 0;
+    const uint64_t hints = params.method == Method::kHints
+                               ? kVolumes * kPerHint * static_cast<uint64_t>(params.hints)
+                               : 0;
     checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept + cells + photons +
-                          kPerTriangle * scene.triangles.size(),
+                          hints + kPerTriangle * scene.triangles.size(),
                  .threads = threadCount()},
                 fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
                             scene.triangles.size()),
-                "choose a smaller --size or fewer --caustics, or fewer --threads below an address "
+                "choose a smaller --size or fewer --caustics or --hints, or fewer --threads below "
+                "an address "
                 "limit");
 }
 

@@ -5,6 +5,7 @@
 
 #include "cache/estimate.h"
 #include "cache/probes.h"
+#include "cache/temporal.h"
 #include "core/timer.h"
 #include "gather/raster_gather.h"
 #include "gather/ray_gather.h"
@@ -78,11 +79,12 @@ SplatBuffer splatView(SceneState& state, const ViewState& view, const RecordCach
     return splat;
 }
 
-Image<vec3> specularByRays(const ViewState& view, const SplatBuffer& splat) {
+Image<vec3> specularByRays(const ViewState& view, const SplatBuffer& splat, bool filtered) {
     if (view.specular.pixels.empty()) {
         return {};
     }
-    return reflectSpecular(view.receivers, view.specular, cachedSpecular(view.receivers, splat));
+    return reflectSpecular(view.receivers, view.specular, cachedSpecular(view.receivers, splat),
+                           filtered);
 }
 
 namespace {
@@ -114,10 +116,12 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     return estimateError(errors, probes, view.receivers, indirect);
 }
 
-// Places records, and adds what that took to the stages' seconds, also where it takes too long.
+// Gathers anew where records have ended, places what is missing, and adds what that took to the
+// stages' seconds, also where it takes too long.
 Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& how,
                      const HemisphereParams& hemisphere, bool quiet, double at_most,
-                     StageSeconds& seconds) {
+                     RenderStats& stats) {
+    StageSeconds& seconds = stats.seconds;
     const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
     const Timer timer;
     const auto account = [&] {
@@ -126,9 +130,21 @@ Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& 
         seconds.project += gathered.project;
         seconds.placement += timer.seconds() - gathered.see - gathered.project;
     };
+    const Ageing* ageing = view.kept != nullptr ? view.kept->ageing() : nullptr;
+    if (ageing != nullptr && ageing->coming) {
+        gatherer->lookAheadBy(*ageing->coming);
+    }
     try {
+        if (ageing != nullptr) {
+            stats.records_renewed += static_cast<int>(
+                renew(state.scene, view.receivers, how, *ageing, *gatherer, view.field));
+        }
+        const size_t known = view.field.records.size();
         Placement placement =
             placeRecords(state.scene, view.receivers, how, *gatherer, view.field, quiet, at_most);
+        if (ageing != nullptr) {
+            beginLives(view.field, known, ageing->params, known == 0);
+        }
         account();
         return placement;
     } catch (const OutOfTime&) {
@@ -200,7 +216,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     StageSeconds& seconds = stats.seconds;
     prepareField(view, how, hemisphere.size, stats.passes == 0);
     const Placement placement =
-        placeTimed(state, view, how, hemisphere, params.quiet, pass.seconds, seconds);
+        placeTimed(state, view, how, hemisphere, params.quiet, pass.seconds, stats);
 
     const Timer splat_timer;
     SplatBuffer splat = splatView(state, view, placement.cache, how.servingWeight());

@@ -34,6 +34,7 @@ std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const ViewState& view,
 SplatBuffer splatView(SceneState& state, const ViewState& view, const RecordCache& cache,
                       const WeightParams& weight);
 /// What lobes reflect that rays see for, with what records say of them; empty where none does.
-Image<vec3> specularByRays(const ViewState& view, const SplatBuffer& splat);
+/// `filtered`: without the rays' noise, which takes longer.
+Image<vec3> specularByRays(const ViewState& view, const SplatBuffer& splat, bool filtered = true);
 
 }  // namespace sheen

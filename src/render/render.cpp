@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "receivers/classes.h"
+#include "render/hints.h"
 #include "render/memory_check.h"
 #include "render/pass.h"
 #include "render/session.h"
@@ -220,7 +221,7 @@ std::string recordRecipe(const RenderParams& params) {
 }
 
 Camera viewOf(const Scene& scene, const RenderParams& params) {
-    Camera camera = findCamera(scene, params.camera);
+    Camera camera = params.view ? *params.view : findCamera(scene, params.camera);
     camera.window = params.window;
     return camera;
 }
@@ -234,6 +235,7 @@ bool smoothsEdges(Method method, GatherRoad road) {
             return road == GatherRoad::kRays;
         case Method::kOctree:
         case Method::kDenoised:
+        case Method::kHints:
             return false;
     }
     throw std::logic_error("unknown method");
@@ -272,6 +274,11 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             return renderByPaths(scene_, params);
         case Method::kOctree:
             return renderByOctree(scene_, params);
+        case Method::kHints: {
+            RenderResult result = renderByHints(scene_, params);
+            countPixels(result);
+            return result;
+        }
         case Method::kRadiance:
         case Method::kIrradiance: {
             if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
@@ -282,7 +289,7 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             if (params.gather_road == GatherRoad::kRaster && params.bounces != 1) {
                 throwUsage("--bounces: records that are rasterised have 1; use --gather ray");
             }
-            findCamera(scene_, params.camera);  // before anything is made for it
+            viewOf(scene_, params);  // before anything is made for it
             StageSeconds seconds;
             if (!state_ || state_->road != params.gather_road) {
                 state_.reset();  // never two of them in memory

@@ -4,7 +4,9 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cache/placement_params.h"
@@ -18,7 +20,7 @@
 
 namespace sheen {
 
-enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised };
+enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised, kHints };
 
 /// Everything that changes the image. Defaults were chosen by measurement
 /// (docs/decisions/placement.md).
@@ -27,6 +29,8 @@ struct RenderParams {
     int width = 512;
     int height = 512;
     std::string camera;  ///< name or index; empty: the scene's first
+    /// A camera that is none of the scene's; `camera` is then not used.
+    std::optional<Camera> view = {};
     /// The image that these pixels are a part of; none: all of it (render/crop.h).
     Camera::Window window = {};
     /// Samples of a pixel with edges, a power of two. 1: each pixel shows its middle, as studies
@@ -54,6 +58,8 @@ struct RenderParams {
     /// are better. 0: that is part of the indirect light. The reference, which has no photons,
     /// keeps it apart as well. No cost where a scene has no such surfaces.
     int caustics = 1'000'000;
+    /// Of radiance hints: about so many in each volume. They heed sh_order too: 2 or 3, 0 is 3.
+    int hints = 4096;
     // The path tracer, plain and denoised.
     int spp = 256;  ///< paths a pixel, over all replicates
     uint32_t seed = 0;
@@ -78,6 +84,7 @@ struct StageSeconds {
 struct RenderStats {
     int records = 0;
     int records_reused = 0;       ///< of these, from former frames
+    int records_renewed = 0;      ///< of those, gathered anew at their places
     int records_of_clusters = 0;  ///< of these, in the last pass, of clusters (SitesBy::kKMeans)
     StageSeconds seconds;
     int pixels_geometry = 0;   ///< pixels that see geometry
@@ -102,6 +109,8 @@ struct RenderStats {
     size_t elements = 0;
     double elements_missed_share = 0;
     size_t caustic_photons = 0;  ///< kept, on what is seen
+    size_t hints = 0;            ///< radiance hints, in all volumes
+    size_t lit_samples = 0;      ///< of surfaces that lights shine on, which hints ask
     std::vector<MaterialOrder> sh_order;
     std::string gl_renderer;      ///< empty where none was used
     double mrays_per_second = 0;  ///< path-traced methods only
@@ -149,6 +158,8 @@ class Session {
     /// before it. `records`: to begin with, of that recipe.
     void keepRecords(KeptRecords records = {}, std::string recipe = {});
     const KeptRecords& records() const { return kept_; }
+    /// Hands them over; none are left.
+    KeptRecords takeRecords() { return std::exchange(kept_, {}); }
 
   private:
     RenderResult renderByMethod(const RenderParams& params);

@@ -112,6 +112,19 @@ SceneChange AnimatedScene::moveTo(double seconds) {
     return moved ? SceneChange::kCameras : SceneChange::kNothing;
 }
 
+std::optional<std::vector<vec3>> AnimatedScene::positionsAt(double seconds) {
+    Parts& p = *parts_;
+    gltf::pose(p.animation, seconds, p.file.model);
+    Places now;
+    exchange(now, p.scene);
+    gltf::placeAgain(p.file, p.additions, p.scene);
+    exchange(now, p.scene);  // what it would be
+    if (!sameBits(now.triangles, p.scene.triangles)) {
+        return std::nullopt;
+    }
+    return std::move(now.positions);
+}
+
 Scene sceneAt(const std::string& path, double seconds, const LoadParams& params,
               const std::string& animation) {
     AnimatedScene animated(path, params, animation);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -39,6 +41,10 @@ class AnimatedScene {
     /// as there, after its last likewise. Warnings of a new kind are appended to Scene::warnings.
     /// Input error where the scene cannot be rendered then; it must not be used any more.
     SceneChange moveTo(double seconds);
+
+    /// Where vertices would lie at a time, without moving anything; none where the scene would have
+    /// other triangles than it has now. Errors as moveTo().
+    std::optional<std::vector<vec3>> positionsAt(double seconds);
 
     /// Of the animation, up to its last key; 0: the file has none, or one that moves nothing.
     double seconds() const;

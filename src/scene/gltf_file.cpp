@@ -25,9 +25,17 @@ void checkBeginning(const std::string& path, std::string_view bytes) {
     }
 }
 
+// Before memory is taken for what the file holds.
+void checkSize(const std::string& path, uint64_t size) {
+    constexpr uint64_t kCopies = 4;  // as read, as parsed twice, as the scene
+    if (size > std::numeric_limits<uint32_t>::max()) {
+        throwInput("{}: has more than 4 GiB, which glTF cannot hold; split the scene", path);
+    }
+    checkMemory({.bytes = kCopies * size}, path, "split the scene");
+}
+
 std::string readWholeFile(const std::string& path) {
     constexpr size_t kBeginning = 4096;
-    constexpr uint64_t kCopies = 4;  // as read, as parsed twice, as the scene
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(path, error);
     if (!std::filesystem::exists(status)) {
@@ -50,10 +58,7 @@ std::string readWholeFile(const std::string& path) {
     std::string bytes(std::min<uint64_t>(size, kBeginning), '\0');
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     checkBeginning(path, bytes);
-    if (size > std::numeric_limits<uint32_t>::max()) {
-        throwInput("{}: has more than 4 GiB, which glTF cannot hold; split the scene", path);
-    }
-    checkMemory({.bytes = kCopies * size}, path, "split the scene");
+    checkSize(path, size);
     const size_t read = bytes.size();
     bytes.resize(size);
     in.read(bytes.data() + read, static_cast<std::streamsize>(size - read));
@@ -297,7 +302,13 @@ std::string jsonOf(const std::string& path) {
 }
 
 void parse(File& file) {
-    const std::string bytes = readWholeFile(file.path);
+    if (file.bytes.empty()) {
+        file.bytes = readWholeFile(file.path);
+    } else {
+        checkBeginning(file.path, file.bytes);
+        checkSize(file.path, file.bytes.size());
+    }
+    const std::string bytes = std::move(file.bytes);
     const Document parts = documentOf(file.path, bytes);
     checkNesting(file.path, parts.json);
     nlohmann::json document;

@@ -6,6 +6,7 @@
 
 #include "scene/defaults.h"
 #include "scene/gltf_parts.h"
+#include "scene/scene_bytes.h"
 #include "scene/sun.h"
 
 namespace sheen {
@@ -192,8 +193,9 @@ void placeAgain(File& file, const Additions& additions, Scene& scene) {
 
 }  // namespace gltf
 
-Scene loadScene(const std::string& path, const LoadParams& params) {
-    gltf::File file{.path = path, .model = {}, .keeps_sources = params.sources, .notes = {}};
+namespace {
+
+Scene atRest(gltf::File& file, const LoadParams& params) {
     Scene scene;
     gltf::load(file, params, scene);
     if (file.animated()) {
@@ -202,6 +204,25 @@ Scene loadScene(const std::string& path, const LoadParams& params) {
     }
     scene.warnings = file.notes.lines();
     return scene;
+}
+
+}  // namespace
+
+Scene loadScene(const std::string& path, const LoadParams& params) {
+    gltf::File file{.path = path, .model = {}, .keeps_sources = params.sources, .notes = {}};
+    return atRest(file, params);
+}
+
+Scene sceneFromBytes(const std::string& name, std::string bytes, const LoadParams& params) {
+    if (bytes.empty()) {
+        throwInput("{}: is empty", name);
+    }
+    gltf::File file{.path = name,
+                    .bytes = std::move(bytes),
+                    .model = {},
+                    .keeps_sources = params.sources,
+                    .notes = {}};
+    return atRest(file, params);
 }
 
 }  // namespace sheen

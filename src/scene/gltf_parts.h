@@ -53,6 +53,7 @@ struct EncodedImage {
 /// A file being loaded.
 struct File {
     std::string path;
+    std::string bytes = {};              ///< its content; empty: it is read from `path`
     std::vector<std::string> read = {};  ///< files that `path` names
     tinygltf::Model model;               ///< without buffers, images and animations
     std::vector<FileBytes> buffers = {};
@@ -92,7 +93,7 @@ struct File {
     bool animated() const;
 };
 
-/// Reads `file.path`: whole, version 2, with no extension required that is not understood; images
+/// Parses `file.bytes`, or reads `file.path`: whole, version 2, with no extension required that is not understood; images
 /// stay encoded. Throws input errors.
 void parse(File& file);
 

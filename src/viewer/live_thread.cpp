@@ -248,6 +248,7 @@ bool LiveThread::show(const DisplaySettings& settings) {
         shown->exposure = settings.exposure.value_or(exposure_);
         shown->pixels = displayImage(seen_, shown->exposure, settings.tone);
     }
+    shown->complete = shown->progress.complete && arrived;
     shown->lit = shown->progress.records > 0;
     shown->at = timer_.seconds();
     const std::lock_guard<std::mutex> lock(mutex_);

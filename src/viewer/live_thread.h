@@ -46,6 +46,7 @@ struct Shown {
     Camera camera;
     float exposure = 0.0f;  ///< stops that it was shown with
     bool lit = false;       ///< by some indirect light
+    bool complete = false;  ///< LiveProgress::complete, and faded in
     std::vector<LiveMark> marks;
     double at = 0.0;  ///< seconds since the thread began
     int number = 0;   ///< of the steps

@@ -49,7 +49,7 @@ class Benchmark {
         }
         figures_.records = std::max(figures_.records, shown.progress.records);
         if (phase_ == 0) {
-            if (!shown.progress.complete) {
+            if (!shown.complete) {
                 return false;
             }
             figures_.seconds_to_full = shown.at;
@@ -170,8 +170,14 @@ class Viewer {
         opened_ = std::move(opened);
         shown_.reset();
         held_.reset();
-        window_.setTitle(
-            fmt::format("Sheen - {}", std::filesystem::path(path).filename().string()));
+        entitle(false);
+    }
+
+    void entitle(bool complete) {
+        window_.setTitle(fmt::format("Sheen - {}{}",
+                                     std::filesystem::path(opened_->file).filename().string(),
+                                     complete ? "" : " (refining)"));
+        entitled_complete_ = complete;
     }
 
     double gbufferSeconds() const {
@@ -207,12 +213,15 @@ class Viewer {
     }
 
     void followNewImage() {
+        if (shown_->complete != entitled_complete_) {
+            entitle(shown_->complete);
+        }
         if (benchmark_ && benchmark_->follow(*shown_, *opened_->live)) {
             window_.close();
         }
         const bool wanted = params_.screenshot_after > 0
                                 ? shown_->number >= params_.screenshot_after
-                                : shown_->progress.complete;
+                                : shown_->complete;
         if (!params_.screenshot.empty() && wanted && !screenshot_taken_) {
             screenshot_taken_ = true;
             writePng(params_.screenshot, shown_->pixels);
@@ -364,45 +373,56 @@ class Viewer {
     }
 
     void followKeys() {
+        const std::vector<Window::Key> keys = window_.pressed();
         if (ImGui::GetIO().WantTextInput) {
             return;
         }
-        ViewerState& state = opened_->state;
-        const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
-        if (pressed(GLFW_KEY_ESCAPE)) {
-            window_.close();
-        }
-        if (pressed(GLFW_KEY_TAB)) {
-            state.panel = !state.panel;
-        }
-        if (pressed(GLFW_KEY_R)) {
-            state.records = !state.records;
-        }
-        if (pressed(GLFW_KEY_C)) {
-            state.display.channel = nextChannel(state.display.channel);
-        }
-        if (pressed(GLFW_KEY_P)) {
-            savePng();
-        }
-        if (pressed(GLFW_KEY_SLASH) && ImGui::GetIO().KeyShift) {
-            state.shortcuts = !state.shortcuts;
-        }
-        if (pressed(GLFW_KEY_B)) {
-            compareNext();
-        }
-        const bool finer = pressed(GLFW_KEY_LEFT_BRACKET);
-        if (finer || pressed(GLFW_KEY_RIGHT_BRACKET)) {
-            float& accuracy = state.render.placement.accuracy;
-            accuracy = std::clamp(accuracy * (finer ? 0.8f : 1.25f), 0.05f, 2.0f);
-            postParams();
-        }
-        for (int i = 0; i < 9; ++i) {
-            const auto camera = static_cast<size_t>(i);
-            if (pressed(GLFW_KEY_1 + i) && camera < state.cameras.size()) {
-                goTo(state.cameras[camera]);
-            }
+        for (const Window::Key& key : keys) {
+            follow(key);
         }
         fly();
+    }
+
+    void follow(const Window::Key& key) {
+        ViewerState& state = opened_->state;
+        const auto camera = static_cast<size_t>(key.key - GLFW_KEY_1);
+        if (key.key >= GLFW_KEY_1 && key.key <= GLFW_KEY_9 && camera < state.cameras.size()) {
+            goTo(state.cameras[camera]);
+            return;
+        }
+        switch (key.key) {
+            case GLFW_KEY_ESCAPE:
+                window_.close();
+                break;
+            case GLFW_KEY_TAB:
+                state.panel = !state.panel;
+                break;
+            case GLFW_KEY_R:
+                state.records = !state.records;
+                break;
+            case GLFW_KEY_C:
+                state.display.channel = nextChannel(state.display.channel);
+                break;
+            case GLFW_KEY_P:
+                savePng();
+                break;
+            case GLFW_KEY_B:
+                compareNext();
+                break;
+            case GLFW_KEY_SLASH:
+                state.shortcuts = state.shortcuts != key.shift;
+                break;
+            case GLFW_KEY_LEFT_BRACKET:
+            case GLFW_KEY_RIGHT_BRACKET: {
+                float& accuracy = state.render.placement.accuracy;
+                const float factor = key.key == GLFW_KEY_LEFT_BRACKET ? 0.8f : 1.25f;
+                accuracy = std::clamp(accuracy * factor, 0.05f, 2.0f);
+                postParams();
+                break;
+            }
+            default:
+                break;
+        }
     }
 
     void fly() {
@@ -482,7 +502,7 @@ class Viewer {
     std::unique_ptr<Opened> opened_;
     std::shared_ptr<const Shown> shown_;
     std::optional<Image<Rgb8>> held_;
-    bool showing_held_ = false, screenshot_taken_ = false;
+    bool showing_held_ = false, screenshot_taken_ = false, entitled_complete_ = false;
     std::optional<Benchmark> benchmark_;
 };
 

@@ -98,6 +98,13 @@ Window::Window(int width, int height, const std::string& title) {
         auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
         self->dropped_.insert(self->dropped_.end(), paths, paths + count);
     });
+    // Dear ImGui forgets keys that come up before its next frame begins.
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int modifiers) {
+        if (action == GLFW_PRESS) {
+            static_cast<Window*>(glfwGetWindowUserPointer(window))
+                ->pressed_.push_back({key, (modifiers & GLFW_MOD_SHIFT) != 0});
+        }
+    });
     ImGui_ImplGlfw_InitForOpenGL(window_, true);
     ImGui_ImplOpenGL3_Init("#version 330 core");
     g_gl.genTextures(1, &texture_);
@@ -129,6 +136,8 @@ float Window::density() const {
 }
 
 std::vector<std::string> Window::dropped() { return std::exchange(dropped_, {}); }
+
+std::vector<Window::Key> Window::pressed() { return std::exchange(pressed_, {}); }
 
 void Window::upload(const Image<Rgb8>& image) {
     g_gl.bindTexture(GL_TEXTURE_2D, texture_);

@@ -33,6 +33,13 @@ class Window {
 
     /// Files that were dropped since it was last asked.
     std::vector<std::string> dropped();
+    /// A key that went down: GLFW's number, and whether Shift was held.
+    struct Key {
+        int key;
+        bool shift;
+    };
+    /// Those since it was last asked, however short.
+    std::vector<Key> pressed();
 
   private:
     void upload(const Image<Rgb8>& image);
@@ -41,6 +48,7 @@ class Window {
     unsigned texture_ = 0;
     const void* uploaded_ = nullptr;
     std::vector<std::string> dropped_;
+    std::vector<Key> pressed_;
 };
 
 }  // namespace sheen

@@ -1,0 +1,25 @@
+// What is known of a frame of a scene that moves, for records that live longer than it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "gather/motion.h"
+
+namespace sheen {
+
+struct TemporalParams {
+    /// a_t: by how much of itself a record's light may change while it lives.
+    float accuracy = 0.03f;
+    int longest = 8;          ///< life, frames
+    bool extrapolate = true;  ///< what it says goes on changing as it did from its first frame on
+};
+
+struct Ageing {
+    TemporalParams params = {};
+    std::vector<uint8_t> moved = {};  ///< [triangle]: since the frame before; empty: none has
+    std::shared_ptr<const Motion> coming = {};  ///< up to the next frame; null: not known
+};
+
+}  // namespace sheen

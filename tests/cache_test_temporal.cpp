@@ -1,0 +1,212 @@
+// Lives of records: how long, what they say meanwhile, and their replacement.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "cache/temporal.h"
+#include "test_placement.h"
+
+namespace sheen {
+namespace {
+
+constexpr TemporalParams kParams = {.accuracy = 0.1f, .longest = 8};
+
+GatheredRecord changing(float now, float later) {
+    GatheredRecord found;
+    found.record.irradiance = vec3(now);
+    found.record.order = shared::DIFFUSE_ORDER;
+    found.later = GatheredRecord::Later{vec3(later), {}};
+    return found;
+}
+
+TEST(Temporal, ChangeIsThatOfTheIrradiance) {
+    EXPECT_NEAR(changeOf(changing(2.0f, 2.5f)), 0.25f, 1e-6f);
+    EXPECT_NEAR(changeOf(changing(2.0f, 1.5f)), 0.25f, 1e-6f);
+    EXPECT_EQ(changeOf(changing(2.0f, 2.0f)), 0.0f);
+    EXPECT_EQ(changeOf(changing(0.0f, 0.0f)), 0.0f);
+    EXPECT_EQ(changeOf(changing(0.0f, 1.0f)), kInfinity);
+    EXPECT_EQ(changeOf(GatheredRecord{}), 0.0f) << "nothing that it sees moves";
+}
+
+TEST(Temporal, OrThatOfCoefficientsWhereItIsMore) {
+    GatheredRecord found = changing(1.0f, 1.1f);
+    found.record.order = 2;
+    const auto size = static_cast<size_t>(shLayout(2).size());
+    found.sh.assign(size, 0.0f);
+    found.sh[0] = 3.0f;
+    found.sh[5] = 4.0f;
+    found.later->sh = found.sh;
+    found.later->sh[5] = 6.0f;            // 2 of 5
+    found.later->sh[size - 1] = 1000.0f;  // a gradient's
+    EXPECT_NEAR(changeOf(found), 0.4f, 1e-6f);
+}
+
+TEST(Temporal, RecordsLiveAsLongAsTheirWeightAllows) {
+    // Frames n >= 0 with 1 / (change n) > 1 / a_t, a_t = 0.1.
+    EXPECT_EQ(lifespanOf(changing(1.0f, 1.04f), kParams), 3);
+    EXPECT_EQ(lifespanOf(changing(1.0f, 0.979f), kParams), 5);
+    // At n = 4 the weight is 1 / a_t, and not above it.
+    EXPECT_EQ(lifespanOf(changing(1.0f, 1.125f), {.accuracy = 0.5f, .longest = 8}), 4);
+    EXPECT_EQ(lifespanOf(changing(1.0f, 1.5f), kParams), 1);
+    EXPECT_EQ(lifespanOf(changing(0.0f, 1.0f), kParams), 1);
+    EXPECT_EQ(lifespanOf(changing(1.0f, 1.001f), kParams), kParams.longest);
+    EXPECT_EQ(lifespanOf(GatheredRecord{}, kParams), kParams.longest);
+}
+
+TEST(Temporal, MeanwhileLightChangesAsItDidAtFirst) {
+    GatheredRecord found = changing(1.0f, 1.25f);
+    found.record.order = 2;
+    found.sh.assign(static_cast<size_t>(shLayout(2).size()), 1.0f);
+    found.later->sh.assign(found.sh.size(), 0.5f);
+    for (int frame = 1; frame <= 4; ++frame) {
+        growOlder(found, kParams);
+        EXPECT_EQ(found.age, frame);
+        EXPECT_FLOAT_EQ(found.record.irradiance.y, 1.0f + 0.25f * static_cast<float>(frame));
+        EXPECT_FLOAT_EQ(found.sh[11], 1.0f - 0.5f * static_cast<float>(frame));
+        EXPECT_FLOAT_EQ(found.sh[12], 1.0f) << "gradients stay";
+    }
+}
+
+TEST(Temporal, IrradianceDoesNotBecomeNegative) {
+    GatheredRecord found = changing(1.0f, 0.4f);
+    for (int frame = 0; frame < 5; ++frame) {
+        growOlder(found, kParams);
+        EXPECT_GE(found.record.irradiance.x, 0.0f);
+    }
+    EXPECT_EQ(found.record.irradiance.x, 0.0f);
+}
+
+TEST(Temporal, WithoutExtrapolationItStays) {
+    TemporalParams params = kParams;
+    params.extrapolate = false;
+    GatheredRecord found = changing(1.0f, 1.25f);
+    growOlder(found, params);
+    EXPECT_EQ(found.record.irradiance.x, 1.0f);
+    EXPECT_EQ(found.age, 1);
+}
+
+TEST(Temporal, TheFirstRecordsEndAtDifferentTimes) {
+    RecordField field;
+    for (int i = 0; i < 800; ++i) {
+        GatheredRecord found;
+        found.record.position = vec3(0.01f * static_cast<float>(i), 0.0f, 1.0f);
+        field.records.push_back(found);
+        field.pixels.push_back(i);
+    }
+    beginLives(field, 0, kParams, true);
+    std::vector<int> ends(static_cast<size_t>(kParams.longest) + 1, 0);
+    for (const GatheredRecord& found : field.records) {
+        ASSERT_GE(found.lifespan, 1);
+        ASSERT_LE(found.lifespan, kParams.longest);
+        ++ends[static_cast<size_t>(found.lifespan)];
+    }
+    for (int n = 1; n <= kParams.longest; ++n) {
+        // 100 on average, whose standard deviation is 9.4.
+        EXPECT_NEAR(ends[static_cast<size_t>(n)], 100, 40) << n;
+    }
+    beginLives(field, 100, kParams, false);
+    EXPECT_EQ(field.records[799].lifespan, kParams.longest);
+}
+
+// Records on the floor of a stage, some of whose lives have ended.
+struct OldRecords {
+    Stage stage = makeStage(shared::DIFFUSE_ORDER, shared::DIFFUSE_ORDER);
+    PlacementParams placement;
+    RecordField field;
+
+    OldRecords() {
+        place(stage, placement, kNoChange, &field);
+        for (size_t k = 0; k < field.records.size(); ++k) {
+            field.records[k].age = static_cast<int>(k % 5);
+            field.records[k].lifespan = 4;
+        }
+    }
+    size_t renewBy(const Ageing& ageing, const Change& change) {
+        MadeUpGatherer gatherer(change);
+        return renew(stage.scene, stage.receivers, placement, ageing, gatherer, field);
+    }
+};
+
+// Says of every other record that it has changed.
+class NoticingGatherer : public MadeUpGatherer {
+  public:
+    using MadeUpGatherer::MadeUpGatherer;
+    std::vector<float> changesSince(std::span<const GatheredRecord* const> records) override {
+        std::vector<float> changes;
+        for (const GatheredRecord* found : records) {
+            EXPECT_GT(found->age, 0) << "those of now are as they are";
+            EXPECT_LT(found->age, found->lifespan) << "those that end are not asked";
+            changes.push_back(changes.size() % 2 == 0 ? 0.11f : 0.09f);
+        }
+        asked = records.size();
+        return changes;
+    }
+    size_t asked = 0;
+};
+
+const Change kBrighter = [](const RecordSite&, GatheredRecord& g) {
+    g.record.irradiance = vec3(9.0f);
+};
+
+TEST(Temporal, EndedRecordsAreReplacedAtTheirPlaces) {
+    OldRecords old;
+    const RecordField before = old.field;
+    std::multiset<float> asked;
+    const size_t renewed =
+        old.renewBy({.params = kParams}, [&](const RecordSite& site, GatheredRecord& g) {
+            asked.insert(site.position.x);
+            kBrighter(site, g);
+        });
+    size_t ended = 0;
+    for (size_t k = 0; k < before.records.size(); ++k) {
+        const GatheredRecord& was = before.records[k];
+        const GatheredRecord& is = old.field.records[k];
+        EXPECT_EQ(is.record.position, was.record.position);
+        if (was.age == 4) {
+            ++ended;
+            EXPECT_EQ(is.record.irradiance.x, 9.0f);
+            EXPECT_EQ(is.age, 0);
+            EXPECT_EQ(is.lifespan, kParams.longest);
+        } else {
+            EXPECT_EQ(is.record.irradiance, was.record.irradiance);
+            EXPECT_EQ(is.age, was.age);
+        }
+    }
+    EXPECT_EQ(renewed, ended);
+    EXPECT_EQ(asked.size(), ended);
+    EXPECT_GT(ended, 0u);
+    EXPECT_EQ(old.field.pixels, before.pixels);
+}
+
+TEST(Temporal, RecordsOnWhatMovedAreAllReplaced) {
+    OldRecords old;
+    const size_t renewed = old.renewBy({.params = kParams, .moved = {1, 0}}, kBrighter);
+    EXPECT_EQ(renewed, old.field.records.size());
+    for (size_t k = 0; k < old.field.records.size(); ++k) {
+        EXPECT_EQ(old.field.records[k].record.position,
+                  old.stage.receivers.positions[static_cast<size_t>(old.field.pixels[k])]);
+    }
+}
+
+TEST(Temporal, RecordsWhoseLightHasChangedAreReplacedToo) {
+    OldRecords old;
+    size_t ended = 0, young = 0;
+    for (const GatheredRecord& found : old.field.records) {
+        ended += found.age == 4 ? 1 : 0;
+        young += found.age == 0 ? 1 : 0;
+    }
+    NoticingGatherer gatherer(kBrighter);
+    const size_t renewed = renew(old.stage.scene, old.stage.receivers, old.placement,
+                                 {.params = kParams}, gatherer, old.field);
+    EXPECT_EQ(gatherer.asked, old.field.records.size() - ended - young);
+    EXPECT_EQ(renewed, ended + (gatherer.asked + 1) / 2);
+}
+
+TEST(Temporal, OfNoRecordsNoneIsReplaced) {
+    OldRecords old;
+    old.field = {};
+    EXPECT_EQ(old.renewBy({.params = kParams}, kBrighter), 0u);
+}
+
+}  // namespace
+}  // namespace sheen

@@ -1,0 +1,1 @@
+sheen_test(hints SOURCES hints_test.cpp USES sheen_hints)
