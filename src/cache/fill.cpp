@@ -82,9 +82,9 @@ Placement placeRecords(const Scene& scene, const Receivers& receivers,
     PlacedRecords placed(scene, receivers, params, field);
     int clusters = 0;
     if (params.sites == SitesBy::kKMeans) {
-        KMeans chooser(receivers, params, quiet);
+        KMeans chooser(placed, quiet);
         fill(scene, placed, chooser, gatherer, field, seconds - timer.seconds());
-        clusters = static_cast<int>(chooser.clusterSites());
+        clusters = static_cast<int>(chooser.clusters());
     } else {
         Scan chooser(receivers, params, anew, quiet);
         fill(scene, placed, chooser, gatherer, field, seconds - timer.seconds());

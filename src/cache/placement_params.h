@@ -17,6 +17,7 @@ struct PlacementParams {
     float accuracy = 0.4f;  ///< Ward's a
     ErrorControl control = ErrorControl::kHessian;
     SitesBy sites = SitesBy::kScan;
+    int clusters = 0;            ///< kKMeans: of all that is seen, about; 0: by the accuracy
     float curvature = 5e-4f;     ///< kHessian, times `accuracy`: relative error at the end of a
                                  ///< record's reach times that reach in heights of the image
     float normal_weight = 4.0f;  ///< k_n of the weight function
