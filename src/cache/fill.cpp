@@ -80,18 +80,15 @@ Placement placeRecords(const Scene& scene, const Receivers& receivers,
     const Timer timer;
     const bool anew = field.records.empty();
     PlacedRecords placed(scene, receivers, params, field);
-    int clusters = 0;
     if (params.sites == SitesBy::kKMeans) {
         KMeans chooser(placed, quiet);
         fill(scene, placed, chooser, gatherer, field, seconds - timer.seconds());
-        clusters = static_cast<int>(chooser.clusters());
+        field.of_clusters += chooser.clusterCount();
     } else {
         Scan chooser(receivers, params, anew, quiet);
         fill(scene, placed, chooser, gatherer, field, seconds - timer.seconds());
     }
-    return {.cache = placed.handOver(),
-            .uncovered = placed.coverage().countUncovered(),
-            .clusters = clusters};
+    return {.cache = placed.handOver(), .uncovered = placed.coverage().countUncovered()};
 }
 
 RecordCache recordsAt(const Scene& scene, const Receivers& receivers,

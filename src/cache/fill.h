@@ -48,7 +48,6 @@ struct Placement {
     RecordCache cache;  ///< the field's records, in order, as they are to serve
     int uncovered = 0;  ///< receivers with a surface that no record serves: 0 where numbers are
                         ///< sound
-    int clusters = 0;   ///< of the records, so many were gathered for clusters (kmeans.h)
 };
 
 /// Places the records of the field, then those that are missing as `params` says, which are added

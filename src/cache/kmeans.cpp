@@ -5,35 +5,40 @@
 
 #include "cache/receiver_clusters.h"
 #include "cache/scan.h"
+#include "rays/jitter.h"
 
 namespace sheen {
 namespace {
 
-// What hemispheres see is kept until all of a batch is seen, so all at once would take memory in
-// proportion to their number.
-constexpr size_t kBatch = 256;
-
-// So many clusters of all that is seen, by the accuracy.
-float clusterCount(const PlacementParams& params) {
-    constexpr float kUsual = 1000.0f, kUsualAccuracy = 0.4f, kPower = 1.3f;
+// So many clusters of all that is seen: about a fifth of the records that a scan places.
+float wantedClusters(const PlacementParams& params) {
+    constexpr float kPerAccuracy = 200.0f;
     return params.clusters > 0 ? static_cast<float>(params.clusters)
-                               : kUsual * std::pow(kUsualAccuracy / params.accuracy, kPower);
+                               : kPerAccuracy / params.accuracy;
 }
 
 float radiusOf(const ReceiverCluster& cluster, const Receivers& receivers,
                const PlacementParams& params) {
     float reach = params.min_pixels * receivers.footprints[cluster.site];
     for (const uint32_t i : cluster.members) {
-        reach = std::max(
-            reach, glm::length(receivers.positions[i] - receivers.positions[cluster.site]));
+        reach = std::max(reach,
+                         glm::length(receivers.positions[i] - receivers.positions[cluster.site]));
     }
     return reach / params.accuracy;
+}
+
+// Its place in an order in which those that follow each other lie anywhere.
+std::pair<uint32_t, size_t> shuffled(size_t receiver) {
+    return {pcgHash(static_cast<uint32_t>(receiver)), receiver};
 }
 
 }  // namespace
 
 KMeans::KMeans(const PlacedRecords& placed, bool quiet)
-    : receivers_(placed.receivers()), params_(placed.params()), quiet_(quiet) {
+    : receivers_(placed.receivers()),
+      params_(placed.params()),
+      anew_(placed.field().records.empty()),
+      quiet_(quiet) {
     std::vector<uint32_t> missed;
     size_t seen = 0;
     for (size_t i = 0; i < receivers_.positions.size(); ++i) {
@@ -46,15 +51,21 @@ KMeans::KMeans(const PlacedRecords& placed, bool quiet)
         return;
     }
     const float share = static_cast<float>(missed.size()) / static_cast<float>(seen);
-    const ClusterParams wanted{
-        .count = std::max(static_cast<int>(share * clusterCount(params_)), 1)};
+    const ClusterParams wanted{.count =
+                                   std::max(static_cast<int>(share * wantedClusters(params_)), 1)};
     for (const ReceiverCluster& cluster : clusterReceivers(receivers_, missed, wanted)) {
         sites_.push_back({cluster.site, radiusOf(cluster, receivers_, params_)});
     }
+    std::sort(sites_.begin(), sites_.end(), [](const ClusterSite& a, const ClusterSite& b) {
+        return shuffled(a.receiver) < shuffled(b.receiver);
+    });
     progress_ = std::make_unique<Progress>("placing records, of clusters",
                                            static_cast<int>(sites_.size()), quiet);
 }
 
+// All sites are known before any is gathered. Still they come in batches, spread over all that is
+// seen: what hemispheres see is kept until all of a batch is seen, and a batch tells the next where
+// to look closer, the first by looking twice.
 std::vector<SiteChoice> KMeans::next(const PlacedRecords& placed) {
     if (at_ == sites_.size()) {
         if (!rest_) {
@@ -64,10 +75,14 @@ std::vector<SiteChoice> KMeans::next(const PlacedRecords& placed) {
         return rest_->next(placed);
     }
     std::vector<SiteChoice> choices;
-    for (; at_ < sites_.size() && choices.size() < kBatch; ++at_) {
-        choices.push_back({.receiver = sites_[at_].receiver, .radius = sites_[at_].radius});
-        choices.back().nearest.fill(kNoRecord);
-        if (getenv("KFIRST")) choices.back().first = true;
+    const bool first = anew_ && at_ == 0;
+    const size_t end = std::min(at_ + static_cast<size_t>(params_.batch), sites_.size());
+    for (; at_ < end; ++at_) {
+        const auto& [receiver, radius] = sites_[at_];
+        choices.push_back({.receiver = receiver,
+                           .nearest = placed.nearestTo(receivers_.positions[receiver]),
+                           .radius = radius,
+                           .first = first});
     }
     progress_->advance(static_cast<int>(choices.size()));
     return choices;

@@ -10,14 +10,8 @@
 
 namespace sheen {
 
-/// Of a cluster's record: where it is gathered and how far its members lie.
-struct ClusterSite {
-    size_t receiver = 0;
-    float radius = 0;
-};
-
-/// First one site for each cluster (receiver_clusters.h) of what no record serves yet, none of
-/// which knows what the others find; then what their records leave is scanned.
+/// First one site for each cluster (receiver_clusters.h) of what no record serves yet, chosen
+/// whatever the others find; then what their records leave is scanned.
 class KMeans : public SiteChooser {
   public:
     /// `placed`: what was before; it must outlive this. `quiet`: no progress is printed.
@@ -25,12 +19,18 @@ class KMeans : public SiteChooser {
 
     std::vector<SiteChoice> next(const PlacedRecords& placed) override;
 
-    /// How many clusters there are.
-    size_t clusters() const { return sites_.size(); }
+    size_t clusterCount() const { return sites_.size(); }
 
   private:
+    // Of a cluster's record: where it is gathered and as far as its members lie.
+    struct ClusterSite {
+        size_t receiver = 0;
+        float radius = 0;
+    };
+
     const Receivers& receivers_;
     const PlacementParams& params_;
+    const bool anew_;
     const bool quiet_;
     std::vector<ClusterSite> sites_;
     size_t at_ = 0;

@@ -54,9 +54,9 @@ struct Clustering {
             normal += dvec3(receivers.normals[i]);
         }
         const double length = glm::length(normal);
-        return {.position = vec3(position / static_cast<double>(members.size())),
-                .normal =
-                    length > 0.0 ? vec3(normal / length) : receivers.normals[members.front()]};
+        return {
+            .position = vec3(position / static_cast<double>(members.size())),
+            .normal = length > 0.0 ? vec3(normal / length) : receivers.normals[members.front()]};
     }
     double variation(std::span<const uint32_t> members) const {
         if (members.empty()) {
@@ -286,7 +286,8 @@ std::vector<ReceiverCluster> clusterReceivers(const Receivers& receivers,
         groups.push_back(std::move(members));
     }
     const std::vector<int> shares = shareOut(clustering, groups, params.count);
-    const auto longer = static_cast<uint32_t>(std::max(receivers.image.width, receivers.image.height));
+    const auto longer =
+        static_cast<uint32_t>(std::max(receivers.image.width, receivers.image.height));
     std::vector<ReceiverCluster> clusters;
     for (size_t g = 0; g < groups.size(); ++g) {
         const Quad image{0, 0, static_cast<int>(std::bit_ceil(longer)), std::move(groups[g])};

@@ -164,12 +164,12 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
         fmt::print("hints     {}, of {} samples of lit surfaces; pixels that see none: {} of {}\n",
                    stats.hints, stats.lit_samples, stats.pixels_uncovered, stats.pixels_geometry);
     } else {
-        fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
+        const std::string of_clusters =
+            o.params.placement.sites == SitesBy::kKMeans
+                ? fmt::format(" ({} of clusters)", stats.records_of_clusters)
+                : "";
+        fmt::print("records   {}{}; pixels without one: {} of {}\n", stats.records, of_clusters,
                    stats.pixels_uncovered, stats.pixels_geometry);
-    }
-    if (o.params.placement.sites == SitesBy::kKMeans) {
-        fmt::print("placement {} records of clusters, {} where these were not enough\n",
-                   stats.records_of_clusters, stats.records - stats.records_of_clusters);
     }
     if (usesCache(o.params.method)) {
         fmt::print("gather    {}\n", o.gather);

@@ -40,8 +40,6 @@ HemisphereParams hemisphereOf(const HemisphereParams& wanted, GatherRoad road, f
 PlacementParams placementOf(const RenderParams& params, float accuracy) {
     PlacementParams how = params.placement;
     how.accuracy = accuracy;
-    if (getenv("CTL"))
-        how.control = static_cast<ErrorControl>(atoi(getenv("CTL")));
     if (how.min_pixels == 0.0f) {
         how.min_pixels = leastReach(accuracy);
     }
@@ -199,7 +197,6 @@ void tell(const Placement& placement, const ErrorEstimate& estimate, const Compo
     stats.estimate_low = estimate.low;
     stats.estimate_high = estimate.high;
     stats.passes += 1;
-    stats.records_of_clusters = placement.clusters;
     stats.pixels_uncovered = placement.uncovered;
     stats.nonfinite_pixels = counts.nonfinite;
     stats.negative_pixels = counts.negative;
@@ -250,6 +247,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     stats.gather_size = hemisphere.size;
     tell(placement, estimate, counts, stats);
     stats.records_reused = static_cast<int>(view.field.reused);
+    stats.records_of_clusters = static_cast<int>(view.field.of_clusters);
 }
 
 }  // namespace sheen
