@@ -1,5 +1,5 @@
 // Choosing sites before anything is gathered: one for each cluster of receivers.
-// Based on: [WWZ+09, 3.2].
+// Based on: [WWZ09, 3.2].
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // Receivers parted into clusters that are likely to receive similar light, by geometry alone.
-// Based on: [WWZ+09, 3.2].
+// Based on: [WWZ09, 3.2].
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct ClusterParams {
 };
 
 /// What is likely to change light from place to place: alpha |x - x_k| + sqrt(2 - 2 n.n_k)
-/// [WWZ+09, eq. 2], lengths over the median distance of the receivers from the viewer. So neither
+/// [WWZ09, eq. 2], lengths over the median distance of the receivers from the viewer. So neither
 /// the scene's scale nor far surroundings change clusters.
 class ClusterMetric {
   public:
