@@ -1,7 +1,6 @@
 #include "cache/kmeans.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "cache/receiver_clusters.h"
 #include "cache/scan.h"
@@ -15,16 +14,6 @@ float wantedClusters(const PlacementParams& params) {
     constexpr float kPerAccuracy = 200.0f;
     return params.clusters > 0 ? static_cast<float>(params.clusters)
                                : kPerAccuracy / params.accuracy;
-}
-
-float radiusOf(const ReceiverCluster& cluster, const Receivers& receivers,
-               const PlacementParams& params) {
-    float reach = params.min_pixels * receivers.footprints[cluster.site];
-    for (const uint32_t i : cluster.members) {
-        reach = std::max(reach,
-                         glm::length(receivers.positions[i] - receivers.positions[cluster.site]));
-    }
-    return reach / params.accuracy;
 }
 
 // Its place in an order in which those that follow each other lie anywhere.
@@ -54,18 +43,17 @@ KMeans::KMeans(const PlacedRecords& placed, bool quiet)
     const ClusterParams wanted{.count =
                                    std::max(static_cast<int>(share * wantedClusters(params_)), 1)};
     for (const ReceiverCluster& cluster : clusterReceivers(receivers_, missed, wanted)) {
-        sites_.push_back({cluster.site, radiusOf(cluster, receivers_, params_)});
+        sites_.push_back(cluster.site);
     }
-    std::sort(sites_.begin(), sites_.end(), [](const ClusterSite& a, const ClusterSite& b) {
-        return shuffled(a.receiver) < shuffled(b.receiver);
-    });
+    std::sort(sites_.begin(), sites_.end(),
+              [](size_t a, size_t b) { return shuffled(a) < shuffled(b); });
     progress_ = std::make_unique<Progress>("placing records, of clusters",
                                            static_cast<int>(sites_.size()), quiet);
 }
 
 // All sites are known before any is gathered. Still they come in batches, spread over all that is
-// seen: what hemispheres see is kept until all of a batch is seen, and a batch tells the next where
-// to look closer, the first by looking twice.
+// seen: what hemispheres see is kept until all of a batch is seen, and a batch tells the next how
+// far records reach and where to look closer, the first by looking twice.
 std::vector<SiteChoice> KMeans::next(const PlacedRecords& placed) {
     if (at_ == sites_.size()) {
         if (!rest_) {
@@ -78,10 +66,11 @@ std::vector<SiteChoice> KMeans::next(const PlacedRecords& placed) {
     const bool first = anew_ && at_ == 0;
     const size_t end = std::min(at_ + static_cast<size_t>(params_.batch), sites_.size());
     for (; at_ < end; ++at_) {
-        const auto& [receiver, radius] = sites_[at_];
-        choices.push_back({.receiver = receiver,
-                           .nearest = placed.nearestTo(receivers_.positions[receiver]),
-                           .radius = radius,
+        const size_t i = sites_[at_];
+        const NearestRecords nearest = placed.nearestTo(receivers_.positions[i]);
+        choices.push_back({.receiver = i,
+                           .nearest = nearest,
+                           .radius = placed.predictedRadius(i, nearest[0]),
                            .first = first});
     }
     progress_->advance(static_cast<int>(choices.size()));

@@ -22,17 +22,11 @@ class KMeans : public SiteChooser {
     size_t clusterCount() const { return sites_.size(); }
 
   private:
-    // Of a cluster's record: where it is gathered and as far as its members lie.
-    struct ClusterSite {
-        size_t receiver = 0;
-        float radius = 0;
-    };
-
     const Receivers& receivers_;
     const PlacementParams& params_;
     const bool anew_;
     const bool quiet_;
-    std::vector<ClusterSite> sites_;
+    std::vector<size_t> sites_;  // receivers, one for each cluster
     size_t at_ = 0;
     std::unique_ptr<Progress> progress_;
     std::unique_ptr<SiteChooser> rest_;
