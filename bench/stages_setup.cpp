@@ -105,7 +105,7 @@ Setup::~Setup() {
 
 gl::WorkerPool& Setup::pool() {
     if (!pool_) {
-        pool_ = std::make_unique<gl::WorkerPool>(gl_workers_, threadCount());
+        pool_ = std::make_unique<gl::WorkerPool>(gl_workers_, threadCount(), gl::kDefaultBackend);
     }
     return *pool_;
 }

@@ -4,14 +4,14 @@
 packages=(
     g++ cmake ninja-build pkg-config
     libosmesa6-dev libegl-dev libglm-dev libfmt-dev libtbb-dev libembree-dev
-    libopenexr-dev libpng-dev libturbojpeg0-dev libtinygltf-dev libmeshoptimizer-dev libnanoflann-dev libstb-dev libxxhash-dev libglfw3-dev libimgui-dev libcli11-dev nlohmann-json3-dev
+    libopenexr-dev libopencolorio-dev libpng-dev libturbojpeg0-dev libwebp-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libnanoflann-dev libstb-dev libxxhash-dev libmurmurhash-dev libglfw3-dev libimgui-dev libcli11-dev nlohmann-json3-dev
     libjs-chart.js
 )
 # What CMake asks for where tests and benchmarks are built too.
 test_build_packages=(libgtest-dev libbenchmark-dev pybind11-dev python3-dev)
 # What only ./check needs: the browser that opens the chart's report, plots of the benchmarks, a window
 # system's server, arrays of the Python module.
-test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-pil python3-numpy)
+test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-xlib python3-pil python3-numpy)
 build="$root/build/release"
 log="$root/build/build.log"
 

@@ -176,5 +176,35 @@ TEST_F(CliTest, compareNamesTheFile) {
                 "small.exr has 8x8 pixels, large.exr 9x8");
 }
 
+TEST_F(CliTest, comparesFoldersAsAPage) {
+    for (const char* folder : {"a", "b", "none"}) {
+        fs::create_directory(file(folder));
+    }
+    const std::string render = "render scene.gltf --size 16x12 --bounces 1 --aa 1 --caustics none ";
+    ASSERT_EQ(call(render + "--accuracy 2 -o a/one.exr").code, 0);
+    ASSERT_EQ(call(render + "--method reference --spp 4096 -o b/one.exr").code, 0);
+    fs::copy(file("b/one.exr"), file("a/same.exr"));
+    fs::copy(file("b/one.exr"), file("b/same.exr"));
+    fs::copy(file("b/one.exr"), file("b/lonely.exr"));
+    Outcome run = call("compare a b --page page.html --json figures.json");
+    EXPECT_NE(run.err.find("lonely.exr is not there"), std::string::npos) << run.err;
+    const std::string page = textOf(file("page.html"));
+    EXPECT_LT(page.find("one.exr"), page.find("same.exr")) << "the worst first";
+    EXPECT_EQ(page.find("http"), std::string::npos) << "no network";
+    const Json figures = Json::parse(textOf(file("figures.json")));
+    ASSERT_EQ(figures.size(), 2u);
+    EXPECT_EQ(figures[1]["image"], "same.exr");
+    EXPECT_EQ(figures[1]["rel_rmse"], 0.0);
+
+    std::ofstream(file("a/broken.exr")) << "no image";
+    fs::copy(file("b/one.exr"), file("b/broken.exr"));
+    run = call("compare a b --page page.html");
+    EXPECT_EQ(run.code, 3);
+    EXPECT_NE(textOf(file("page.html")).find("not an EXR file"), std::string::npos);
+    EXPECT_EQ(call("compare a none --page page.html").code, 3);
+    EXPECT_EQ(call("compare a missing --page page.html").code, 3);
+    EXPECT_EQ(call("compare a b --page page.png").code, 2);
+}
+
 }  // namespace
 }  // namespace sheen

@@ -4,7 +4,12 @@
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
 #include "cli_test.h"
+#include "image/decode.h"
 #include "image/exr.h"
 
 namespace sheen {
@@ -59,6 +64,24 @@ TEST_F(CliTest, filesSayHowTheyWereMade) {
     EXPECT_TRUE(textOf(file("a.exr")) == first);
 }
 
+// Masks of materials and nodes, by the names of the scene's file.
+TEST_F(CliTest, renderMakesMasks) {
+    ASSERT_EQ(call("render scene.gltf --size 64x48 --bounces 1 --layers all -o a.exr").code, 0);
+    const LoadedExr exr = readExr(file("a.exr"));
+    for (const char* layer : {"CryptoMaterial00", "CryptoObject00"}) {
+        const Image<vec3>& first = exr.colors.at(layer);
+        const Image<float>& second = exr.scalars.at(std::string(layer) + ".A");
+        const Image<float>& alpha = exr.scalars.at("A");
+        int partly = 0;
+        for (size_t i = 0; i < first.pixels.size(); ++i) {
+            const float covered = first.pixels[i].y + second.pixels[i];
+            EXPECT_NEAR(covered, alpha.pixels[i], 0.01f) << layer << " " << i;
+            partly += covered > 0.0f && covered < 1.0f ? 1 : 0;
+        }
+        EXPECT_GT(partly, 0) << "edges are smooth";
+    }
+}
+
 TEST_F(CliTest, renderPng) {
     for (const char* exposure : {"", " --exposure auto", " --exposure -2", " --exposure=1.5"}) {
         const Outcome run = call(std::string(kReference) + " -o a.PNG" + exposure);
@@ -84,6 +107,65 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
     EXPECT_EQ(json["size"], Json::array({16, 12}));
     EXPECT_EQ(json["threads"], 1);
     EXPECT_GT(json["seconds"]["total"].get<double>(), 0.0);
+}
+
+// A configuration whose one view doubles what is linear.
+TEST_F(CliTest, renderShowsByAViewOfAConfiguration) {
+    std::ofstream(file("double.ocio"))
+        << "ocio_profile_version: 2\nroles: {scene_linear: lin}\n"
+           "displays:\n  screen:\n    - !<View> {name: doubled, colorspace: twice}\n"
+           "colorspaces:\n  - !<ColorSpace> {name: lin}\n"
+           "  - !<ColorSpace> {name: twice, from_scene_reference: "
+           "!<MatrixTransform> {matrix: [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1]}}\n";
+    const std::string render = std::string(kReference) + " --exposure 0 -o ";
+    ASSERT_EQ(call(render + "a.png --ocio double.ocio --view doubled").code, 0);
+    ASSERT_EQ(call(render + "b.png --ocio double.ocio --view screen/doubled").code, 0);
+    EXPECT_EQ(textOf(file("a.png")), textOf(file("b.png")));
+    ASSERT_EQ(call(std::string(kReference) + " -o a.exr").code, 0);
+    std::ifstream png(file("a.png"), std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(png)), {});
+    const DecodedImage shown =
+        decodeImage({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+    const Image<vec3> beauty = colorLayer(readExr(file("a.exr")), "beauty");
+    int lit = 0;
+    for (size_t i = 0; i < beauty.pixels.size(); ++i) {
+        const float expected = std::min(2.0f * beauty.pixels[i].x, 1.0f);
+        EXPECT_NEAR(static_cast<float>(shown.rgba[4 * i]) / 65535.0f, expected, 1.0f / 255.0f);
+        lit += expected > 0.1f ? 1 : 0;
+    }
+    EXPECT_GT(lit, 0);
+    expectError(render + "a.png --ocio double.ocio --view film", ExitCode::kUsage,
+                "screen/doubled");
+    expectError(render + "a.png --view film", ExitCode::kUsage, "--ocio");
+    expectError(render + "a.exr --ocio double.ocio --view doubled", ExitCode::kUsage, "PNG only");
+    std::ofstream(file("broken.ocio")) << "ocio_profile_version: 2\nroles: [";
+    expectError(render + "a.png --ocio broken.ocio --view film", ExitCode::kInput, "broken.ocio");
+    expectError(render + "a.png --ocio none.ocio --view film", ExitCode::kInput, "none.ocio");
+}
+
+// Where there is no EGL it says so.
+TEST_F(CliTest, renderByEitherOpenglIsTheSameImage) {
+    const std::string render = "render scene.gltf --size 64x48 --bounces 1 --gather ";
+    expectError(render + "ray --gl vulkan", ExitCode::kUsage, "--gl");
+    for (const std::string road : {"ray", "hemicube"}) {
+        ASSERT_EQ(call(render + road + " --gl osmesa -o a.exr").code, 0);
+        const Outcome run = call(render + road + " --gl egl -o b.exr");
+        if (run.code != 0) {
+            EXPECT_EQ(run.code, 4) << run.err;
+            EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+            GTEST_SKIP() << "no EGL here: " << run.err;
+        }
+        const Image<vec3> a = colorLayer(readExr(file("a.exr")), "indirect");
+        const Image<vec3> b = colorLayer(readExr(file("b.exr")), "indirect");
+        double squares = 0.0, sum = 0.0;
+        for (size_t i = 0; i < a.pixels.size(); ++i) {
+            squares += std::pow(luminance(a.pixels[i] - b.pixels[i]), 2.0);
+            sum += luminance(a.pixels[i]);
+        }
+        const auto count = static_cast<double>(a.pixels.size());
+        EXPECT_GT(sum, 0.0);
+        EXPECT_LT(std::sqrt(squares / count), 1e-3 * sum / count) << road;
+    }
 }
 
 TEST_F(CliTest, renderReusesAFileOfRecordsAndRefusesAStaleOne) {

@@ -230,26 +230,5 @@ TEST(WorkerPool, RefusesNoWorkers) {
     EXPECT_THROW(WorkerPool(-1), std::logic_error);
 }
 
-TEST(Backend, ComesFromTheEnvironment) {
-    const char* before = std::getenv("SHEEN_GL");
-    const std::string kept = before != nullptr ? before : "";
-    unsetenv("SHEEN_GL");
-    EXPECT_EQ(backendFromEnvironment(), Backend::kOsmesa);
-    setenv("SHEEN_GL", "osmesa", 1);
-    EXPECT_EQ(backendFromEnvironment(), Backend::kOsmesa);
-    setenv("SHEEN_GL", "egl", 1);
-    EXPECT_EQ(backendFromEnvironment(), Backend::kEgl);
-    for (const char* wrong : {"", "EGL", "vulkan"}) {
-        setenv("SHEEN_GL", wrong, 1);
-        try {
-            backendFromEnvironment();
-            FAIL() << wrong;
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), ExitCode::kEnvironment);
-        }
-    }
-    before != nullptr ? setenv("SHEEN_GL", kept.c_str(), 1) : unsetenv("SHEEN_GL");
-}
-
 }  // namespace
 }  // namespace sheen::gl

@@ -39,8 +39,9 @@ std::vector<vec4> makeInputs() {
     return inputs;
 }
 
-Image<vec4> renderTwins(const std::vector<vec4>& inputs, std::string* renderer = nullptr) {
-    gl::WorkerPool pool(1);
+Image<vec4> renderTwins(const std::vector<vec4>& inputs, gl::Backend backend,
+                        std::string* renderer = nullptr) {
+    gl::WorkerPool pool(1, backend);
     Image<vec4> image(kColumns, shared::TWIN_COUNT);
     pool.runOnFirst([&] {
         using namespace gl;
@@ -82,7 +83,7 @@ float tolerance(int row) {
 
 TEST(Twins, ShaderAndCpuAgreeOnEverySharedFunction) {
     const std::vector<vec4> inputs = makeInputs();
-    const Image<vec4> image = renderTwins(inputs);
+    const Image<vec4> image = renderTwins(inputs, gl::kDefaultBackend);
     for (int row = 0; row < shared::TWIN_COUNT; ++row) {
         bool varies = false;
         for (int column = 0; column < kColumns; ++column) {
@@ -117,10 +118,9 @@ TEST(EglBackendDeathTest, RendersWhatOsmesaRendersOrSaysWhyNot) {
     };
     EXPECT_EXIT(
         {
-            setenv("SHEEN_GL", "egl", 1);
             try {
                 std::string renderer;
-                const Image<vec4> image = renderTwins(inputs, &renderer);
+                const Image<vec4> image = renderTwins(inputs, gl::Backend::kEgl, &renderer);
                 std::ofstream file(path, std::ios::binary);
                 file.write(reinterpret_cast<const char*>(image.pixels.data()),
                            static_cast<std::streamsize>(image.pixels.size() * sizeof(vec4)));
@@ -145,7 +145,7 @@ TEST(EglBackendDeathTest, RendersWhatOsmesaRendersOrSaysWhyNot) {
     const std::string renderer((std::istreambuf_iterator<char>(file)), {});
     std::filesystem::remove(path);
     std::string osmesa_renderer;
-    const Image<vec4> osmesa = renderTwins(inputs, &osmesa_renderer);
+    const Image<vec4> osmesa = renderTwins(inputs, gl::Backend::kOsmesa, &osmesa_renderer);
     if (renderer == osmesa_renderer) {
         EXPECT_EQ(
             std::memcmp(egl.pixels.data(), osmesa.pixels.data(), egl.pixels.size() * sizeof(vec4)),

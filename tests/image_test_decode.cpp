@@ -1,6 +1,7 @@
-// PNG and JPEG files that others wrote: the values as stored, or an error.
+// PNG, JPEG and WebP files that others wrote: the values as stored, or an error.
 #include <gtest/gtest.h>
 #include <png.h>
+#include <webp/encode.h>
 
 #include <string>
 
@@ -155,9 +156,35 @@ std::vector<uint8_t> noise(size_t size) {
     return values;
 }
 
+// `quality`: of 100; 100: lossless.
+std::vector<uint8_t> encodeWebp(const std::vector<uint8_t>& rgb, int width, float quality) {
+    uint8_t* out = nullptr;
+    const int height = static_cast<int>(rgb.size()) / (3 * width);
+    const size_t size = quality < 100.0f
+                            ? WebPEncodeRGB(rgb.data(), width, height, 3 * width, quality, &out)
+                            : WebPEncodeLosslessRGB(rgb.data(), width, height, 3 * width, &out);
+    std::vector<uint8_t> file(out, out + size);
+    WebPFree(out);
+    return file;
+}
+
 std::vector<std::vector<uint8_t>> soundFiles() {
     return {encodePng({.width = 5, .rows = {noise(15), noise(15)}}), encodeJpeg(noise(300), 10, 3),
-            encodeJpeg(noise(300), 10, 3, TJFLAG_PROGRESSIVE)};
+            encodeJpeg(noise(300), 10, 3, TJFLAG_PROGRESSIVE), encodeWebp(noise(300), 10, 100.0f),
+            encodeWebp(noise(300), 10, 50.0f)};
+}
+
+TEST(DecodeWebp, IsAsStored) {
+    const std::vector<uint8_t> rgb = noise(300);
+    const std::vector<int> values = decoded(encodeWebp(rgb, 10, 100.0f));
+    ASSERT_EQ(values.size(), rgb.size());
+    for (size_t i = 0; i < rgb.size(); ++i) {
+        EXPECT_EQ(values[i], 257 * rgb[i]);
+    }
+    const std::vector<int> lossy = decoded(encodeWebp(std::vector<uint8_t>(300, 90), 10, 50.0f));
+    for (const int value : lossy) {
+        EXPECT_NEAR(value, 257 * 90, 257 * 4);
+    }
 }
 
 TEST(DecodeDamaged, FilesThatEndTooEarlyAreErrors) {
@@ -204,9 +231,9 @@ TEST(DecodeDamaged, SaysWhatIsWrong) {
     EXPECT_NE(reason(png).find("CRC"), std::string::npos) << reason(png);
     png.resize(20);
     EXPECT_EQ(reason(png), "it ends too early");
-    EXPECT_EQ(reason({'G', 'I', 'F', '8', '9', 'a'}), "it is neither PNG nor JPEG");
+    EXPECT_EQ(reason({'G', 'I', 'F', '8', '9', 'a'}), "it is neither PNG, JPEG nor WebP");
     EXPECT_EQ(reason({0xff, 0xd8, 0xff, 0xd9}), "it holds tables and no image");
-    EXPECT_EQ(reason({}), "it is neither PNG nor JPEG");
+    EXPECT_EQ(reason({}), "it is neither PNG, JPEG nor WebP");
 }
 
 // Each pass over an image costs its whole size, however few bytes ask for it.

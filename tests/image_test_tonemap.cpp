@@ -123,7 +123,7 @@ TEST(ToneMap, NoneClips) {
     EXPECT_EQ(toneMap(vec3(0.02f, 0.5f, 7.0f), ToneCurve::kNone), vec3(0.02f, 0.5f, 1.0f));
     EXPECT_EQ(toneMap(vec3(-1.0f, 1.0f, 0.0f), ToneCurve::kNone), vec3(0.0f, 1.0f, 0.0f));
     const Image<vec3> image(1, 1, vec3(2.0f, 0.5f, 0.0f));
-    const Rgb8 pixel = displayImage(image, 0.0f, ToneCurve::kNone).at(0, 0);
+    const Rgb8 pixel = displayImage(image, 0.0f, toSrgb(ToneCurve::kNone)).at(0, 0);
     EXPECT_EQ(pixel.r, 255);
     EXPECT_EQ(pixel.g, 188);  // sRGB of a half
     EXPECT_EQ(pixel.b, 0);

@@ -1,8 +1,12 @@
 // Images that become better while they are looked at.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <string>
 
 #include "core/error.h"
 #include "render/live.h"
@@ -43,6 +47,8 @@ double relativeRms(const Image<vec3>& a, const Image<vec3>& b) {
 
 // Two images that each err by up to 3%.
 constexpr double kSameWithinErrors = 0.05;
+constexpr double kHintsWithin = 0.4;
+constexpr double kMostGrowth = 16.0;  // MiB
 
 TEST(Live, BeginsCoarseAndEndsAsTheImageThatRenderMakes) {
     const Scene scene = glossyRoom();
@@ -125,6 +131,108 @@ TEST(Live, EditsDiscardWhatDependsOnThemAndNothingElse) {
     live.setParams(params);
     live.step(0.0);
     EXPECT_EQ(live.progress().records, live.progress().records_new);
+}
+
+TEST(Live, TheFirstFrameIsLitByHints) {
+    const Scene scene = glossyRoom();
+    LiveImage live(scene, liveParams());
+    live.step(0.0);
+    EXPECT_EQ(live.progress().records, 0);
+    RenderParams same = liveParams();
+    same.width = live.progress().width;
+    same.height = live.progress().height;
+    EXPECT_LT(relativeRms(live.frame().indirect, renderFrame(scene, same).frame.indirect),
+              kHintsWithin);
+}
+
+// Of a hemisphere as a disc (PixelParts), its luminance.
+float irradianceOf(const Image<vec3>& disc) {
+    float sum = 0.0f;
+    int count = 0;
+    for (int y = 0; y < disc.height; ++y) {
+        for (int x = 0; x < disc.width; ++x) {
+            const vec2 p = (2.0f * vec2(x, y) + 1.0f) / static_cast<float>(disc.width) - 1.0f;
+            const float cosine = 1.0f - glm::dot(p, p);
+            if (cosine > 0.0f) {
+                sum += cosine * luminance(disc.at(x, y));
+                ++count;
+            }
+        }
+    }
+    return 2.0f * kPi * sum / static_cast<float>(count);
+}
+
+TEST(Live, APixelIsTakenApart) {
+    LiveImage live(glossyRoom(), liveParams());
+    EXPECT_FALSE(live.partsAt(vec2(0.5f)));
+    finish(live);
+    EXPECT_FALSE(live.partsAt(vec2(1.0f, 0.5f)));
+    int diffuse = 0, glossy = 0;
+    for (int k = 0; k < 16; ++k) {
+        const vec2 place = (vec2(k % 4, k / 4) + 0.5f) / 4.0f;
+        const std::optional<PixelParts> parts = live.partsAt(place);
+        ASSERT_TRUE(parts);
+        ASSERT_TRUE(parts->seen);
+        const ivec2 pixel = parts->pixel;
+        EXPECT_EQ(pixel, ivec2(place * static_cast<float>(kSize)));
+        EXPECT_EQ(parts->indirect, live.frame().indirect.at(pixel.x, pixel.y));
+        ASSERT_FALSE(parts->records.empty());
+        float sum = 0.0f;
+        for (const PixelParts::Serving& serving : parts->records) {
+            EXPECT_LE(serving.share, parts->records.front().share);
+            EXPECT_LT(serving.distance, serving.reach);
+            sum += serving.share;
+        }
+        EXPECT_NEAR(sum, 1.0f, 1e-5f);
+        const float irradiance = irradianceOf(parts->hemisphere);
+        const vec3 albedo = live.frame().albedo.at(pixel.x, pixel.y);
+        const vec3 shown = live.frame().indirect_diffuse.at(pixel.x, pixel.y);
+        if (luminance(albedo) > 0.0f) {
+            EXPECT_NEAR(luminance(shown) * kPi / luminance(albedo) / irradiance, 1.0f, 0.25f) << k;
+        }
+        if (parts->order == shared::DIFFUSE_ORDER) {
+            ++diffuse;
+            EXPECT_TRUE(parts->reconstruction.empty());
+        } else {
+            ++glossy;
+            EXPECT_NEAR(irradianceOf(parts->reconstruction) / irradiance, 1.0f, 0.15f) << k;
+        }
+    }
+    EXPECT_GT(diffuse, 0);
+    EXPECT_GT(glossy, 0);
+}
+
+// Resident memory, MiB. Software OpenGL keeps its buffers and textures there as well.
+double residentMemory() {
+    std::ifstream status("/proc/self/statm");
+    double pages = 0.0;
+    status >> pages >> pages;
+    return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
+}
+
+// 300 of them, or as many as SHEEN_FRAMES says: bench/live_frames.
+TEST(Live, FramesLeakNothing) {
+    const char* wanted = std::getenv("SHEEN_FRAMES");
+    const int frames = wanted != nullptr ? std::stoi(wanted) : 300;
+    LiveImage live(glossyRoom(), liveParams());
+    double before = 0.0;
+    for (int i = 0; i < frames; ++i) {
+        const float t = 0.1f * static_cast<float>(i);
+        if (i % 3 == 0) {
+            live.look(lookAt(vec3(0.1f * std::sin(t), 0.1f * std::cos(t), 0.93f),
+                             vec3(-0.1f, -0.5f, -0.3f)));
+        } else if (i % 30 == 1) {
+            live.edit([&](Scene& scene) {
+                scene.lights.at(0).position.x = 0.2f * std::sin(t);
+                scene.materials.at(0).params.roughness = 0.5f + 0.4f * std::sin(t);
+            });
+        }
+        live.step(0.01);
+        if (i == frames / 3) {
+            before = residentMemory();
+        }
+    }
+    EXPECT_LT(residentMemory() - before, kMostGrowth);
 }
 
 TEST(Live, OtherMethodsAreRefused) {

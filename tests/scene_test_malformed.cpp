@@ -219,13 +219,7 @@ const Breakage kBreakages[] = {
      "type"},
     {"RequiredExtensionUnknown", [](Json& j) { j["extensionsRequired"] = {"KHR_secret"}; },
      "KHR_secret"},
-    {"RequiresDraco",
-     [](Json& j) {
-         j["extensionsRequired"] = {"KHR_draco_mesh_compression"};
-         j["accessors"][1].erase("bufferView");
-     },
-     "KHR_draco_mesh_compression"},
-    {"UsesDraco",
+    {"DracoOfNoMesh",
      [](Json& j) {
          primitiveOf(j)["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
          j["accessors"][0].erase("bufferView");
@@ -278,7 +272,7 @@ TEST(SceneLoaderBroken, ImageThatIsNotThere) {
 TEST(SceneLoaderBroken, ImageOfAFormatThatGltfHasNot) {
     const std::vector<uint8_t> gif = {'G', 'I', 'F', '8', '9', 'a', 1, 0, 1, 0, 0, 0, 0, 0x2c, 0,
                                       0,   0,   0,   1,   0,   1,   0, 0, 2, 2, 4, 1, 0, 0x3b};
-    expectLeftOut(withImage(gif), "neither PNG nor JPEG");
+    expectLeftOut(withImage(gif), "neither PNG, JPEG nor WebP");
 }
 
 // 57 bytes that ask for 300 MB.

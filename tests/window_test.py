@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """window_test.py SHEEN SCENE.glb: uses the viewer in a real window, as a hand does, on an X server of its
-own. Of Debian: xvfb, xdotool, python3-pil."""
+own. Of Debian: xvfb, xdotool, python3-xlib, python3-pil."""
 import json
 import os
 import pathlib
@@ -13,6 +13,7 @@ import unittest
 from PIL import Image, ImageChops, ImageStat
 
 SIZE = "160x120"
+DROP = pathlib.Path(__file__).with_name("drop_file.py")
 LIMIT = 240  # seconds, of anything that is waited for
 
 
@@ -91,13 +92,46 @@ class Window(unittest.TestCase):
             self.assertGreater(figures[key], 0, key)
         self.assertLessEqual(figures["seconds_to_first"], figures["seconds_to_full"])
 
-    def testKeysAndMouseChangeTheImage(self):
+    def open(self):
+        """The window's process, and its name to xdotool; it has the keyboard."""
         window = subprocess.Popen([self.sheen, "view", self.scene, "--size", SIZE, "--bounces", "1"],
                                   cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
                                   stderr=subprocess.PIPE, text=True)
         self.addCleanup(window.kill)
         name = self.xdotool("search", "--sync", "--onlyvisible", "--name", "Sheen - ").split()[0]
         self.xdotool("windowfocus", "--sync", name)
+        return window, name
+
+    def close(self, window):
+        self.xdotool("key", "Escape")
+        out, err = window.communicate(timeout=LIMIT)
+        self.assertEqual(window.returncode, 0, err)
+        self.assertEqual(out, "")
+        return err.splitlines()
+
+    def testWhatIsDroppedIsOpenedOrSaysWhyNot(self):
+        window, name = self.open()
+
+        def drop(path):
+            subprocess.run([DROP, name, path], env=self.environment, check=True, timeout=LIMIT)
+
+        broken = self.folder / "broken.glb"
+        broken.write_bytes(b"glTF")
+        drop(broken)
+        self.assertIn(pathlib.Path(self.scene).name, self.xdotool("getwindowname", name))
+        other = self.folder / "another.glb"
+        other.write_bytes(pathlib.Path(self.scene).read_bytes())
+        drop(other)
+        end = time.monotonic() + LIMIT
+        while "another.glb" not in self.xdotool("getwindowname", name):
+            self.assertLess(time.monotonic(), end, "the dropped scene is opened")
+            time.sleep(0.2)
+        said = self.close(window)
+        self.assertEqual(len(said), 1, said)
+        self.assertIn("broken.glb", said[0])
+
+    def testKeysAndMouseChangeTheImage(self):
+        window, name = self.open()
         stem = pathlib.Path(self.scene).stem
         saved = []
 
@@ -134,11 +168,8 @@ class Window(unittest.TestCase):
         until(lambda image: difference(image, first) < 4, "1 is the first camera")
         self.xdotool("key", "c")
         until(lambda image: difference(image, first) > 8, "C shows another channel")
-        self.xdotool("key", "Escape")
-        out, err = window.communicate(timeout=LIMIT)
-        self.assertEqual(window.returncode, 0, err)
-        self.assertEqual(out, "")
-        self.assertEqual(len(err.splitlines()), len(saved), err)  # what was saved, and nothing else
+        said = self.close(window)
+        self.assertEqual(len(said), len(saved), said)  # what was saved, and nothing else
 
 
 if __name__ == "__main__":

@@ -97,7 +97,7 @@ EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<ve
     Image<float> alpha(irradiance.width, irradiance.height);
     std::transform(coverage.pixels.begin(), coverage.pixels.end(), alpha.pixels.begin(),
                    [](const vec3& c) { return c.x; });
-    const Image<Rgb8> colors = displayImage(radiance, std::nullopt, ToneCurve::kNone);
+    const Image<Rgb8> colors = displayImage(radiance, std::nullopt, toSrgb(ToneCurve::kNone));
     const bool opaque =
         std::all_of(alpha.pixels.begin(), alpha.pixels.end(), [](float a) { return a == 1.0f; });
     return {opaque ? pngBytes(colors) : pngBytes(colors, alpha), 1.0f};

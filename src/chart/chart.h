@@ -26,6 +26,7 @@ struct ChartParams {
     std::vector<SweepMethod> methods = sweepMethods();
     int reference_spp = 4096;  ///< more than any method sweeps, whose noise would be as great
     int repeats = 3;           ///< warm runs of a point; no more start after kEnoughSeconds
+    std::string gl;            ///< --gl of the program; empty: its default
     bool any_build = false;    ///< also use points that another build of the program completed
 };
 

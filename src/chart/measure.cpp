@@ -35,11 +35,6 @@ std::string cpuName() {
     return "unknown processor";
 }
 
-std::string glBackend() {
-    const char* const backend = std::getenv("SHEEN_GL");
-    return backend == nullptr ? "" : backend;
-}
-
 void makeFolder(const fs::path& folder) {
     std::error_code error;
     fs::create_directories(folder, error);
@@ -189,7 +184,7 @@ class Sweep {
                 .width = params_.width,
                 .height = params_.height,
                 .arguments = arguments,
-                .gl = glBackend()};
+                .gl = params_.gl};
     }
 
     std::string filePart(size_t scene) const {
@@ -433,6 +428,9 @@ class Sweep {
               std::string("--caustics"), std::string("none"), std::string("-o"), output,
               std::string("--json"), std::string("-")}) {
             command.push_back(argument);
+        }
+        if (!params_.gl.empty()) {
+            command.insert(command.end(), {"--gl", params_.gl});
         }
         if (!params_.camera.empty()) {
             command.insert(command.end(), {"--camera", params_.camera});

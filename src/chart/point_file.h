@@ -28,7 +28,7 @@ struct ImageKey {
     int camera = 0;
     int width = 0, height = 0;
     std::vector<std::string> arguments;  ///< settingArguments()
-    std::string gl;                      ///< the GL backend asked for (SHEEN_GL)
+    std::string gl;                      ///< the OpenGL backend asked for (--gl)
 };
 
 /// 12 hexadecimal digits that stand for the key in file names.

@@ -190,7 +190,7 @@ void writeFrame(const AnimateOptions& o, const Output& output, const Sequence& s
                 const Frame& frame) {
     const std::string path = output.names(number);
     if (output.kind == FileKind::kPng) {
-        writePng(path, frame, sequence.exposure, toneCurve(o.render));
+        writePng(path, frame, sequence.exposure, o.render.to_display);
     } else {
         writeExr(path, frame, o.render.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
     }

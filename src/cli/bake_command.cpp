@@ -274,9 +274,7 @@ void addBakeMethodOptions(CLI::App& app, BakeOptions& o) {
                  ".glb: light and colours in one image, for viewers that know no lightmaps");
     addEnvironmentOptions(app, o.load.environment);
     app.remove_option(app.get_option("--transparent"));  // no image shows a sky
-    app.add_option("--threads", o.threads, "Threads to use; 0: one a hardware thread")
-        ->check(numberIn(0, 256))
-        ->capture_default_str();
+    addThreadsOption(app, o.threads);
     app.add_option("--json", o.json, "File for all figures as JSON; -: standard output")
         ->type_name("FILE")
         ->check(fileName());

@@ -90,6 +90,7 @@ Command addChart(CLI::App& program) {
                     "more than a minute in all")
         ->check(numberIn(1, 99))
         ->capture_default_str();
+    addGlOption(*app, p.gl);
     app->add_flag("--any-build", p.any_build,
                   "Also take stored points that another build of the program completed");
     return {app, [options] { return runChart(*options); }};

@@ -1,16 +1,16 @@
 // sheen compare: how far an image is from the reference, and where.
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/compare_page.h"
+#include "cli/compare_pair.h"
 #include "cli/frame_names.h"
 #include "cli/options.h"
 #include "cli/output.h"
-#include "core/memory.h"
-#include "image/exr.h"
 #include "image/png.h"
-#include "metrics/compare.h"
 #include "metrics/flicker.h"
 
 namespace sheen::cli {
@@ -22,94 +22,9 @@ struct CompareOptions {
     std::string layer = "indirect";
     std::string json;
     std::string heatmap;
+    std::string page;
     bool sequence = false;
 };
-
-bool hasCaustics(const LoadedExr& exr) { return exr.colors.count("caustic") > 0; }
-
-// What both layers hold together; of a file without the second, the first holds it.
-const char* const kGlobal = "indirect+caustic";
-
-// The variances that add up to that of `layer`: emission has none, direct and indirect light are
-// sampled independently. The paths of caustics are those of indirect light.
-std::vector<std::string> varianceLayers(const LoadedExr& exr, const std::string& layer) {
-    const std::string global = hasCaustics(exr) ? "variance_global" : "variance";
-    if (layer == "indirect") {
-        return {"variance"};
-    }
-    if (layer == "indirect_diffuse") {
-        return {"variance_diffuse"};
-    }
-    if (layer == "direct") {
-        return {"variance_direct"};
-    }
-    if (layer == "caustic") {
-        return {"variance_caustic"};
-    }
-    if (layer == kGlobal) {
-        return {global};
-    }
-    return {global, "variance_direct"};
-}
-
-// Empty where the file does not know it.
-Image<vec3> varianceOf(const LoadedExr& exr, const std::string& layer) {
-    Image<vec3> sum;
-    for (const std::string& name : varianceLayers(exr, layer)) {
-        const auto found = exr.colors.find(name);
-        if (found == exr.colors.end()) {
-            return {};
-        }
-        if (sum.empty()) {
-            sum = found->second;
-            continue;
-        }
-        for (size_t i = 0; i < sum.pixels.size(); ++i) {
-            sum.pixels[i] += found->second.pixels[i];
-        }
-    }
-    return sum;
-}
-
-Image<vec3> layerOf(const LoadedExr& exr, const std::string& layer) {
-    if (layer != kGlobal) {
-        return colorLayer(exr, layer);
-    }
-    Image<vec3> sum = colorLayer(exr, "indirect");
-    if (hasCaustics(exr)) {
-        const Image<vec3>& caustic = colorLayer(exr, "caustic");
-        for (size_t i = 0; i < sum.pixels.size(); ++i) {
-            sum.pixels[i] += caustic.pixels[i];
-        }
-    }
-    return sum;
-}
-
-// Where only one of the files has caustics apart, its indirect layers hold other light.
-void checkAlike(const LoadedExr& test, const LoadedExr& reference, const std::string& layer) {
-    const bool indirect = layer == "indirect" || layer == "indirect_diffuse";
-    if (indirect && hasCaustics(test) != hasCaustics(reference)) {
-        throwInput(
-            "{}: its indirect light holds caustics, that of {} does not: compare --layer {}, or "
-            "render both with the same --caustics",
-            hasCaustics(test) ? reference.path : test.path,
-            hasCaustics(test) ? test.path : reference.path, kGlobal);
-    }
-}
-
-Json comparisonJson(const Comparison& c) {
-    return {{"rel_rmse", c.rel_rmse},
-            {"rel_mse", c.rel_mse},
-            {"bias", c.bias},
-            {"median", c.median},
-            {"p99", c.p99},
-            {"max", c.max},
-            {"noise_median", c.noise_median},
-            {"noise_p99", c.noise_p99},
-            {"tile_max", c.tile_max},
-            {"noise_share", c.noise_share},
-            {"excluded", c.excluded}};
-}
 
 void printComparison(const Comparison& c) {
     fmt::print("rel_rmse    {:.3f}% (bias {:+.3f}%)\n", 100.0 * c.rel_rmse, 100.0 * c.bias);
@@ -126,50 +41,12 @@ void printComparison(const Comparison& c) {
     fmt::print("excluded    {} pixels; compared {}\n", c.excluded, c.compared);
 }
 
-// Two files, and what of them is compared.
-struct Pair {
-    LoadedExr test, reference;
-    Image<vec3> of_test, of_reference, variance;
-
-    Pair(const std::string& test_path, const std::string& reference_path, const std::string& layer)
-        : test(readExr(test_path)), reference(readExr(reference_path)) {
-        constexpr uint64_t kBytesPerPixel = 128;  // sums, errors in order, the heat map, its file
-        checkMemory({.bytes = kBytesPerPixel * static_cast<uint64_t>(reference.width) *
-                              static_cast<uint64_t>(reference.height)},
-                    fmt::format("comparing with {}", reference_path), "use smaller images");
-        checkAlike(test, reference, layer);
-        of_test = layerOf(test, layer);
-        of_reference = layerOf(reference, layer);
-        variance = varianceOf(reference, layer);
-    }
-    CompareInput input() const {
-        return {.test = of_test,
-                .reference = of_reference,
-                .reference_variance = variance.empty() ? nullptr : &variance,
-                .test_primitive = test.primitive.empty() ? nullptr : &test.primitive,
-                .reference_primitive = reference.primitive.empty() ? nullptr : &reference.primitive,
-                .test_name = test.path,
-                .reference_name = reference.path};
-    }
-};
-
 void checkOptions(const CompareOptions& o) {
     if (!o.heatmap.empty() && imageKind(o.heatmap) != FileKind::kPng) {
         throwUsage("--heatmap {}: must be a .png file", o.heatmap);
     }
-}
-
-// Input error where it says more of the reference than of the image.
-void checkJudged(const Comparison& comparison, const std::string& test,
-                 const std::string& reference) {
-    if (comparison.compared == 0) {
-        throwInput("{}: not judged: no pixel shows the same triangle as in {}", test, reference);
-    }
-    if (!comparison.judged) {
-        throwInput(
-            "{}: not judged: {:.0f}% of the difference is the reference's own noise; render {} "
-            "with more --spp",
-            test, 100.0 * comparison.noise_share, reference);
+    if (!o.page.empty() && std::filesystem::path(o.page).extension() != ".html") {
+        throwUsage("--page {}: must be a .html file", o.page);
     }
 }
 
@@ -217,7 +94,7 @@ ExitCode runSequence(const CompareOptions& o) {
     FlickerMeter meter;
     Json list = Json::array();
     for (const int frame : frames) {
-        const Pair pair(tests(frame), references(frame), o.layer);
+        const ComparedPair pair(tests(frame), references(frame), o.layer);
         comparisons.push_back(compareImages(pair.input()));
         meter.add(frame, pair.input());
         list.push_back({{"frame", frame}});
@@ -246,8 +123,11 @@ ExitCode runCompare(const CompareOptions& o) {
     if (o.sequence) {
         return runSequence(o);
     }
+    if (!o.page.empty()) {
+        return comparePage(o.test, o.reference, o.layer, o.page, o.json);
+    }
     checkOutputs({{"--heatmap", o.heatmap}, {"--json", o.json}}, {o.test, o.reference});
-    const Pair pair(o.test, o.reference, o.layer);
+    const ComparedPair pair(o.test, o.reference, o.layer);
     const Comparison comparison = compareImages(pair.input());
     if (!o.heatmap.empty()) {
         writePng(o.heatmap, bytesFromDisplay(heatmap(pair.input())));
@@ -265,14 +145,15 @@ ExitCode runCompare(const CompareOptions& o) {
 Command addCompare(CLI::App& program) {
     CLI::App* app = program.add_subcommand("compare", "Measure an image's error");
     const auto options = std::make_shared<CompareOptions>();
-    app->add_option("IMAGE", options->test, "EXR file to judge")
+    app->add_option("IMAGE", options->test, "EXR file to judge, or a folder of them (--page)")
         ->type_name("FILE")
         ->required()
         ->check(fileName());
-    app->add_option("REFERENCE", options->reference,
-                    "EXR file to judge by; the variance it carries is taken into account, and "
-                    "where more than half of the difference is its noise, nothing is judged "
-                    "(exit code 3)")
+    app->add_option(
+           "REFERENCE", options->reference,
+           "EXR file, or folder, to judge by; the variance it carries is taken into account, and "
+           "where more than half of the difference is its noise, nothing is judged "
+           "(exit code 3)")
         ->type_name("FILE")
         ->required()
         ->check(fileName());
@@ -293,6 +174,13 @@ Command addCompare(CLI::App& program) {
                   "IMAGE and REFERENCE count frames, as in a/frame_%04d.exr: the error of each "
                   "frame that both have, and how much it changes from frame to frame (flicker)")
         ->excludes(heatmap);
+    app->add_option("--page", options->page,
+                    "IMAGE and REFERENCE are folders: a page of the images that both have, with "
+                    "their references, false colours and errors, the worst first")
+        ->type_name("FILE.html")
+        ->check(fileName())
+        ->excludes(heatmap)
+        ->excludes("--sequence");
     return {app, [options] { return runCompare(*options); }};
 }
 

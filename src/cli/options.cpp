@@ -177,6 +177,24 @@ void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params) {
                  "The sky only lights: where no surface is seen the image stays transparent");
 }
 
+void addThreadsOption(CLI::App& app, int& threads) {
+    app.add_option("--threads", threads, "Threads to use; 0: one a hardware thread")
+        ->check(numberIn(0, 256))
+        ->capture_default_str();
+}
+
+void addGlOption(CLI::App& app, std::string& gl) {
+    gl = gl::kDefaultBackend == gl::Backend::kOsmesa ? "osmesa" : "egl";
+    app.add_option("--gl", gl,
+                   "OpenGL by osmesa (software, in the program) or egl (a GPU, else software)")
+        ->check(CLI::IsMember({"osmesa", "egl"}))
+        ->capture_default_str();
+}
+
+gl::Backend parseGl(const std::string& gl) {
+    return gl == "osmesa" ? gl::Backend::kOsmesa : gl::Backend::kEgl;
+}
+
 FileKind imageKind(const std::string& path) {
     std::string extension = std::filesystem::path(path).extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),

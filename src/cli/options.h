@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/math.h"
+#include "gl/context.h"
 #include "image/crop.h"
 #include "scene/environment.h"
 #include "scene/scene.h"
@@ -53,6 +54,13 @@ void parseViewpoint(const std::string& camera_at, const std::string& look_at, do
 
 /// --environment and what belongs to it, of any command that renders.
 void addEnvironmentOptions(CLI::App& app, EnvironmentParams& params);
+
+/// --threads.
+void addThreadsOption(CLI::App& app, int& threads);
+
+/// --gl, whose value parseGl() reads; without a value the default holds.
+void addGlOption(CLI::App& app, std::string& gl);
+gl::Backend parseGl(const std::string& gl);
 
 enum class FileKind { kExr, kPng };
 /// By the name's extension, in any case. Usage error where it is another.

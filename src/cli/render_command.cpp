@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/mattes.h"
 #include "cli/render_report.h"
 #include "cli/render_wanted.h"
 #include "core/parallel.h"
@@ -16,13 +17,15 @@ namespace {
 // Of a time limit: what writing may take, and ending.
 constexpr double kWriteShare = 0.03;
 
-void writeFrame(const RenderOptions& o, FileKind kind, const RenderResult& result) {
+void writeFrame(const RenderOptions& o, FileKind kind, const Scene& scene,
+                const RenderResult& result) {
     const Frame& frame = result.frame;
     if (kind == FileKind::kPng) {
-        writePng(o.output, frame, parseExposure(o.exposure), toneCurve(o));
+        writePng(o.output, frame, parseExposure(o.exposure), o.to_display);
     } else {
-        writeExr(o.output, frame, o.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic,
-                 notesOf(o, result.stats));
+        const bool all = o.params.all_layers;
+        writeExr(o.output, frame, all ? ExrLayers::kAll : ExrLayers::kBasic,
+                 notesOf(o, result.stats), all ? mattesOf(scene, frame) : std::vector<Matte>());
     }
 }
 
@@ -48,7 +51,7 @@ ExitCode runRender(RenderOptions& o) {
     Session session(scene);
     RenderResult result = renderWanted(session, scene, o);
     const Timer write;
-    writeFrame(o, kind, result);
+    writeFrame(o, kind, scene, result);
     result.stats.seconds.write = write.seconds();
     result.stats.seconds.load = load_seconds;
     result.stats.seconds.total = total.seconds();

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "image/color_view.h"
 
 namespace sheen::cli {
 namespace {
@@ -70,6 +71,16 @@ void addImageOptions(CLI::App& app, RenderOptions& o) {
                        "state them, highlights compressed) or none (clipped)")
             ->check(CLI::IsMember(keysOf(kTones)))
             ->capture_default_str();
+    o.view_option = app.add_option("--view", o.view,
+                                   "PNG only: instead of these, a view of an OpenColorIO "
+                                   "configuration, VIEW of its default display or DISPLAY/VIEW")
+                        ->type_name("VIEW")
+                        ->check(fileName())
+                        ->excludes(o.tone_option);
+    app.add_option("--ocio", o.ocio, "That configuration; default: what OCIO names")
+        ->envname("OCIO")
+        ->type_name("FILE")
+        ->check(fileName());
     o.aa_option =
         app.add_option("--aa", o.params.aa,
                        fmt::format("Samples of a pixel through which an edge passes; 1: "
@@ -223,9 +234,8 @@ void addSamplingOptions(CLI::App& app, RenderOptions& o) {
 }
 
 void addProgramOptions(CLI::App& app, RenderOptions& o) {
-    app.add_option("--threads", o.threads, "Threads to use; 0: one a hardware thread")
-        ->check(numberIn(0, 256))
-        ->capture_default_str();
+    addThreadsOption(app, o.threads);
+    addGlOption(app, o.gl);
     app.add_option("--json", o.json, "File for all figures as JSON; -: standard output")
         ->type_name("FILE")
         ->check(fileName());
@@ -275,7 +285,7 @@ int causticsOf(const RenderOptions& o) {
 }
 
 void checkFileOptions(const RenderOptions& o, FileKind kind) {
-    for (const CLI::Option* option : {o.exposure_option, o.tone_option}) {
+    for (const CLI::Option* option : {o.exposure_option, o.tone_option, o.view_option}) {
         if (kind == FileKind::kExr && option->count() > 0) {
             throwUsage("{}: for PNG only; {} stores radiance as it is", option->get_name(),
                        o.output);
@@ -284,6 +294,16 @@ void checkFileOptions(const RenderOptions& o, FileKind kind) {
     if (kind == FileKind::kPng && o.layers_option->count() > 0) {
         throwUsage("--layers: for EXR only; {} holds one image", o.output);
     }
+}
+
+ToDisplay displayOf(const RenderOptions& o) {
+    if (o.view.empty()) {
+        return toSrgb(kTones.at(o.tone));
+    }
+    if (o.ocio.empty()) {
+        throwUsage("--view {}: of which configuration? Give --ocio FILE, or set OCIO", o.view);
+    }
+    return colorView(o.ocio, o.view);
 }
 
 // Numbers in one form, so that 1 and 1.0 are the same; other text as it is.
@@ -302,8 +322,8 @@ std::string canonical(const std::string& text) {
 
 // Whether the method has it, and it is about the image.
 bool isOfImage(const RenderOptions& o, const CLI::Option* option) {
-    constexpr std::string_view kOthers[] = {"output", "json", "threads", "exposure",
-                                            "tone",   "help", "cache"};
+    constexpr std::string_view kOthers[] = {"output", "json",  "threads", "exposure", "tone",
+                                            "help",   "cache", "view",    "ocio"};
     const std::vector<std::string>& names = option->get_lnames();
     if (names.empty() ||
         std::find(std::begin(kOthers), std::end(kOthers), names[0]) != std::end(kOthers)) {
@@ -344,8 +364,6 @@ bool usesCache(Method method) {
     return method == Method::kRadiance || method == Method::kIrradiance;
 }
 
-ToneCurve toneCurve(const RenderOptions& o) { return kTones.at(o.tone); }
-
 void addRenderOptions(CLI::App& app, RenderOptions& o) {
     o.app = &app;
     addImageOptions(app, o);
@@ -368,6 +386,8 @@ void understandFrame(RenderOptions& o) {
     o.params.placement.sites = kPlacements.at(o.placement);
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.bounces = bouncesOf(o);
+    o.params.gl = parseGl(o.gl);
+    o.to_display = displayOf(o);
     o.params.all_layers = o.layers == "all";
     if (o.aa_option->count() == 0 && smoothsEdges(o.params.method, o.params.gather_road)) {
         o.params.aa = kSmoothEdges;

@@ -29,10 +29,13 @@ struct RenderOptions {
     std::string caustics;  ///< by default as many photons as `params` says
     std::string exposure = "auto";
     std::string tone = "neutral";
+    std::string view, ocio;
+    ToDisplay to_display = toSrgb();  ///< by these
     std::string layers = "basic";
     std::string cache;  ///< empty: records serve this frame alone
     std::string json;
     int threads = 0;
+    std::string gl;
     LoadParams load;
     std::string crop;          ///< empty: all of the image
     std::optional<Crop> part;  ///< what it says
@@ -46,6 +49,7 @@ struct RenderOptions {
     CLI::Option* aa_option = nullptr;
     CLI::Option* exposure_option = nullptr;
     CLI::Option* tone_option = nullptr;
+    CLI::Option* view_option = nullptr;
     CLI::Option* layers_option = nullptr;
     CLI::Option* extent_option = nullptr;
     CLI::Option* bounces_option = nullptr;
@@ -60,9 +64,6 @@ void understandFrame(RenderOptions& o);
 
 /// The same, and `output`; returns what file that is to be.
 FileKind understand(RenderOptions& o);
-
-/// The curve that --tone names.
-ToneCurve toneCurve(const RenderOptions& o);
 
 bool tracesPaths(Method method);
 bool usesCache(Method method);

@@ -22,15 +22,6 @@ Json shOrders(const std::vector<MaterialOrder>& orders) {
     return json;
 }
 
-// Stages in the order they run.
-std::vector<std::pair<const char*, double>> stagesOf(const StageSeconds& s) {
-    return {{"load", s.load},       {"gbuffer", s.gbuffer},     {"shadow", s.shadow},
-            {"bounces", s.bounces}, {"placement", s.placement}, {"gather", s.gather},
-            {"project", s.project}, {"splat", s.splat},         {"caustics", s.caustics},
-            {"compose", s.compose}, {"trace", s.trace},         {"denoise", s.denoise},
-            {"write", s.write}};
-}
-
 std::string orderSummary(const std::vector<MaterialOrder>& orders) {
     std::map<int, int> materials_of;
     for (const MaterialOrder& material : orders) {
@@ -77,8 +68,8 @@ void warnOf(const RenderOptions& o, const Scene& scene, const RenderResult& resu
 
 Json statsJson(const RenderOptions& o, const RenderStats& stats) {
     Json seconds = {{"total", stats.seconds.total}};
-    for (const auto& [stage, value] : stagesOf(stats.seconds)) {
-        seconds[stage] = value;
+    for (const Stage& stage : kStages) {
+        seconds[stage.name] = stats.seconds.*stage.seconds;
     }
     const ivec2 written = writtenSize(o);
     Json json = {{"method", o.method},
@@ -151,9 +142,10 @@ ExrNotes notesOf(const RenderOptions& o, const RenderStats& stats) {
 
 void printStats(const RenderOptions& o, const RenderStats& stats) {
     std::string stages;
-    for (const auto& [stage, value] : stagesOf(stats.seconds)) {
+    for (const Stage& stage : kStages) {
+        const double value = stats.seconds.*stage.seconds;
         if (value > 0.0) {
-            stages += fmt::format("{}{} {:.3f}", stages.empty() ? "" : ", ", stage, value);
+            stages += fmt::format("{}{} {:.3f}", stages.empty() ? "" : ", ", stage.name, value);
         }
     }
     fmt::print("seconds   {:.3f}: {}\n", stats.seconds.total, stages);

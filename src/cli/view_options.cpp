@@ -60,9 +60,8 @@ void addScriptOptions(CLI::App& app, ViewOptions& o) {
         ->type_name("N")
         ->check(numberIn(1, 100'000))
         ->excludes("--screenshot");
-    app.add_option("--threads", o.threads, "Threads to use; 0: one a hardware thread")
-        ->check(numberIn(0, 256))
-        ->capture_default_str();
+    addThreadsOption(app, o.threads);
+    addGlOption(app, o.gl);
     app.add_option("--json", o.json, "File for the benchmark's figures as JSON; -: standard output")
         ->type_name("FILE")
         ->check(fileName())
@@ -85,6 +84,7 @@ void understand(ViewOptions& o) {
     o.params.method = o.method == "radiance" ? Method::kRadiance : Method::kIrradiance;
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.bounces = parseBounces(o.bounces);
+    o.params.gl = parseGl(o.gl);
     parseExposure(o.exposure);
     parseViewpoint(o.camera_at, o.look_at, o.fov, o.params.camera, o.load);
     if (!o.screenshot.empty() && imageKind(o.screenshot) != FileKind::kPng) {

@@ -18,6 +18,7 @@ struct ViewOptions {
     std::string bounces = "all";
     std::string exposure = "auto";
     std::string tone = "neutral";
+    std::string gl;
     std::string camera_at, look_at;
     double fov = 0.0;  ///< degrees; 0: the camera's
     std::string json, screenshot;

@@ -24,12 +24,17 @@ ExitCode runWindow(ViewOptions& o) {
                    .screenshot = o.screenshot,
                    .screenshot_after = o.frames});
     if (figures) {
+        Json stages = {{"total", figures->stages.total}};
+        for (const Stage& stage : kStages) {
+            stages[stage.name] = figures->stages.*stage.seconds;
+        }
         const Json json = {{"seconds_to_first", figures->seconds_to_first},
                            {"seconds_to_full", figures->seconds_to_full},
                            {"fps_fill", figures->fps_fill},
                            {"fps_full", figures->fps_full},
                            {"seconds_gbuffer_512", figures->seconds_gbuffer},
-                           {"records", figures->records}};
+                           {"records", figures->records},
+                           {"stages_full", stages}};
         writeJson(o.json, json);
         if (wantsText(o.json)) {
             fmt::print(

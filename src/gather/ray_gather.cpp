@@ -343,25 +343,50 @@ std::vector<float> RayGatherer::changesSince(std::span<const GatheredRecord* con
     return changes;
 }
 
-// The rays are those of then, so that where nothing has changed there is no noise.
-float RayGatherer::changeSince(const GatheredRecord& record) const {
-    const bool diffuse = record.record.order == shared::DIFFUSE_ORDER;
+std::vector<vec4> RayGatherer::witness(std::span<const GatheredRecord::Witness> witnesses,
+                                       const vec3& eye) const {
     std::vector<vec3> directions;
     std::vector<float> solid_angles;
-    for (const GatheredRecord::Witness& witness : record.witnesses) {
-        directions.push_back(witness.direction);
-        solid_angles.push_back(witness.solid_angle);
+    for (const GatheredRecord::Witness& w : witnesses) {
+        directions.push_back(w.direction);
+        solid_angles.push_back(w.solid_angle);
     }
     std::vector<vec4> seen(directions.size());
-    light_.cast({.origin = record.eye,
+    light_.cast({.origin = eye,
                  .directions = directions,
                  .solid_angles = solid_angles,
                  .without_caustics = without_caustics_},
                 seen.data());
+    return seen;
+}
+
+// Of the record's rays, cast by themselves, as they will be in later frames.
+std::vector<GatheredRecord::Witness> RayGatherer::witnessesOf(std::span<const vec3> directions,
+                                                              std::span<const float> solid_angles,
+                                                              const vec3& eye) const {
+    std::vector<GatheredRecord::Witness> witnesses;
+    const size_t count = directions.size();
+    for (size_t k = 0; k < kWitnesses && count > 0; ++k) {
+        const size_t i = (2 * k + 1) * count / (2 * kWitnesses);
+        witnesses.push_back({directions[i], solid_angles[i], vec3(0.0f)});
+    }
+    const std::vector<vec4> seen = witness(witnesses, eye);
+    for (size_t k = 0; k < seen.size(); ++k) {
+        witnesses[k].light = vec3(seen[k]);
+    }
+    return witnesses;
+}
+
+// The rays are those of then, and draw their chance as they did, so that where nothing has changed
+// there is no noise.
+float RayGatherer::changeSince(const GatheredRecord& record) const {
+    const bool diffuse = record.record.order == shared::DIFFUSE_ORDER;
+    const std::vector<vec4> seen = witness(record.witnesses, record.eye);
     float change = 0.0f, before = 0.0f, after = 0.0f;
     for (size_t k = 0; k < seen.size(); ++k) {
-        const float cosine = glm::dot(record.record.normal, directions[k]);
-        const float weight = solid_angles[k] * (diffuse ? std::max(cosine, 0.0f) : 1.0f);
+        const float cosine = glm::dot(record.record.normal, record.witnesses[k].direction);
+        const float weight =
+            record.witnesses[k].solid_angle * (diffuse ? std::max(cosine, 0.0f) : 1.0f);
         const float was = weight * luminance(record.witnesses[k].light);
         const float is = weight * luminance(vec3(seen[k]));
         before += was;
@@ -412,10 +437,8 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
         result.texels.planes[first.of[i]] = planes[i] * frame;  // into the record's frame
     }
 
-    for (size_t k = 0; motion_ != nullptr && k < kWitnesses && !first.of.empty(); ++k) {
-        const size_t i = (2 * k + 1) * first.of.size() / (2 * kWitnesses);
-        result.witnesses.push_back(
-            {first.directions[i], first.solid_angles[i], vec3(first_seen[i])});
+    if (motion_ != nullptr) {
+        result.witnesses = witnessesOf(first.directions, first.solid_angles, eye);
     }
     std::vector<float> contrasts = contrastsOfNeighbours(h, relativeLight(texels, weights));
     // What is smaller than a texel deviates, over what a texel brings, as the side.

@@ -53,6 +53,11 @@ class RayGatherer : public Gatherer {
     std::vector<const Resolution*> prepare(std::span<const RecordSite> sites);
     Seen see(const Hemisphere& h, const RecordSite& site, uint32_t seed,
              std::span<const Contrast> found) const;
+    std::vector<vec4> witness(std::span<const GatheredRecord::Witness> witnesses,
+                              const vec3& eye) const;
+    std::vector<GatheredRecord::Witness> witnessesOf(std::span<const vec3> directions,
+                                                     std::span<const float> solid_angles,
+                                                     const vec3& eye) const;
     float changeSince(const GatheredRecord& record) const;
     void lookAhead(const Resolution& resolution, SeenTexels& seen, const RecordSite& site,
                    GatheredRecord& result) const;

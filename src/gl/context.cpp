@@ -6,11 +6,15 @@
 #include "gl/functions.h"
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+#ifdef SHEEN_OSMESA
 #include <GL/osmesa.h>
+#endif
 // clang-format on
 
 #include <cstdlib>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -42,6 +46,7 @@ void initialise() {
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
 }
 
+#ifdef SHEEN_OSMESA
 class OsmesaContext : public Context {
   public:
     OsmesaContext(OSMesaContext share, int threads) {
@@ -78,6 +83,21 @@ class OsmesaContext : public Context {
     uint32_t pixel_ = 0;  // OSMesa wants a default framebuffer; nothing is drawn into it
 };
 
+std::unique_ptr<Context> makeOsmesaContext(Context* share, int threads) {
+    auto* other = dynamic_cast<OsmesaContext*>(share);
+    auto context =
+        std::make_unique<OsmesaContext>(other != nullptr ? other->handle() : nullptr, threads);
+    context->makeCurrent();
+    loadFunctions(
+        [](const char* name) { return reinterpret_cast<void*>(OSMesaGetProcAddress(name)); });
+    return context;
+}
+#else
+std::unique_ptr<Context> makeOsmesaContext(Context*, int) {
+    throwEnvironment("OpenGL: this build is without OSMesa; use --gl egl");
+}
+#endif
+
 // The EGL display without a window system: the first GPU device, else Mesa's surfaceless platform.
 EGLDisplay openDisplay() {
     const auto get_platform_display = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(
@@ -106,7 +126,7 @@ EGLDisplay openDisplay() {
             return display;
         }
     }
-    throwEnvironment("OpenGL: EGL finds no display; unset SHEEN_GL to use the software rasteriser");
+    throwEnvironment("OpenGL: EGL finds no display; --gl osmesa needs none");
 }
 
 class EglContext : public Context {
@@ -151,40 +171,34 @@ class EglContext : public Context {
     EGLContext context_ = EGL_NO_CONTEXT;
 };
 
-void* osmesaAddress(const char* name) {
-    return reinterpret_cast<void*>(OSMesaGetProcAddress(name));
+std::unique_ptr<Context> makeEglContext(Context* share) {
+    auto* other = dynamic_cast<EglContext*>(share);
+    auto context =
+        std::make_unique<EglContext>(other != nullptr ? other->handle() : EGL_NO_CONTEXT);
+    context->makeCurrent();
+    loadFunctions(
+        [](const char* name) { return reinterpret_cast<void*>(eglGetProcAddress(name)); });
+    return context;
 }
 
-void* eglAddress(const char* name) { return reinterpret_cast<void*>(eglGetProcAddress(name)); }
+std::mutex g_backend_mutex;
+std::optional<Backend> g_backend;  // of the process's first context
+
+std::unique_ptr<Context> makeContextBy(Backend backend, Context* share, int threads) {
+    const std::lock_guard<std::mutex> lock(g_backend_mutex);
+    if (g_backend && *g_backend != backend) {
+        throwEnvironment("OpenGL: this process has used its other backend before; start it anew");
+    }
+    auto context =
+        backend == Backend::kOsmesa ? makeOsmesaContext(share, threads) : makeEglContext(share);
+    g_backend = backend;
+    return context;
+}
 
 }  // namespace
 
-Backend backendFromEnvironment() {
-    const char* value = std::getenv("SHEEN_GL");
-    const std::string name = value == nullptr ? "osmesa" : value;
-    if (name == "osmesa") {
-        return Backend::kOsmesa;
-    }
-    if (name == "egl") {
-        return Backend::kEgl;
-    }
-    throwEnvironment("SHEEN_GL={}: no such OpenGL backend; use osmesa or egl", name);
-}
-
 std::unique_ptr<Context> makeContext(Backend backend, Context* share, int threads) {
-    std::unique_ptr<Context> context;
-    if (backend == Backend::kOsmesa) {
-        auto* other = dynamic_cast<OsmesaContext*>(share);
-        context =
-            std::make_unique<OsmesaContext>(other != nullptr ? other->handle() : nullptr, threads);
-        context->makeCurrent();
-        loadFunctions(osmesaAddress);
-    } else {
-        auto* other = dynamic_cast<EglContext*>(share);
-        context = std::make_unique<EglContext>(other != nullptr ? other->handle() : EGL_NO_CONTEXT);
-        context->makeCurrent();
-        loadFunctions(eglAddress);
-    }
+    std::unique_ptr<Context> context = makeContextBy(backend, share, threads);
     initialise();
     return context;
 }

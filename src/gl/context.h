@@ -1,6 +1,5 @@
-// OpenGL 4.5 core contexts without a window. The default backend is OSMesa: Mesa's software
-// rasteriser in this process, no display and no GPU. EGL (surfaceless, or a GPU device) is chosen
-// by the environment variable SHEEN_GL=egl.
+// OpenGL 4.5 core contexts without a window, by OSMesa: Mesa's software rasteriser in this process,
+// no display and no GPU; or by EGL: a GPU device, else Mesa's surfaceless platform.
 #pragma once
 
 #include <memory>
@@ -10,8 +9,12 @@ namespace sheen::gl {
 
 enum class Backend { kOsmesa, kEgl };
 
-/// From SHEEN_GL (osmesa or egl; unset: osmesa); environment error for anything else.
-Backend backendFromEnvironment();
+/// OSMesa, unless the build is without it: newer Mesa has none.
+#ifdef SHEEN_OSMESA
+constexpr Backend kDefaultBackend = Backend::kOsmesa;
+#else
+constexpr Backend kDefaultBackend = Backend::kEgl;
+#endif
 
 /// One context. The only open set of the project: a backend.
 class Context {
@@ -25,8 +28,9 @@ class Context {
 
 /// Makes a context that shares buffers and textures with `share` (may be null) and makes it
 /// current. `threads`: how many the software rasteriser may use; a process's first context decides.
-/// Errors of its debug output are kept for checkErrors(). Environment error when the backend cannot
-/// give OpenGL 4.5.
+/// Errors of its debug output are kept for checkErrors(). Environment error where the backend
+/// cannot give OpenGL 4.5, or is not that of the process's first context: functions are loaded
+/// once.
 std::unique_ptr<Context> makeContext(Backend backend, Context* share, int threads);
 
 /// Renderer name of the current context.

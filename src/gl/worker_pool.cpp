@@ -7,9 +7,8 @@
 
 namespace sheen::gl {
 
-WorkerPool::WorkerPool(int workers, int shading_threads) {
+WorkerPool::WorkerPool(int workers, int shading_threads, Backend backend) {
     SHEEN_CHECK(workers > 0 && shading_threads > 0);
-    const Backend backend = backendFromEnvironment();
     if (backend == Backend::kEgl) {
         workers = 1;
     }

@@ -21,8 +21,9 @@ class WorkerPool {
     /// `workers` threads; one where the backend is a GPU, whose driver has its own parallelism.
     /// The software rasteriser shades with `shading_threads`, those of the first pool in a process.
     /// Environment error when no context can be made.
-    WorkerPool(int workers, int shading_threads);
-    explicit WorkerPool(int workers) : WorkerPool(workers, workers) {}
+    WorkerPool(int workers, int shading_threads, Backend backend);
+    explicit WorkerPool(int workers, Backend backend = kDefaultBackend)
+        : WorkerPool(workers, workers, backend) {}
     ~WorkerPool();
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;

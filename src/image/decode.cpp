@@ -2,6 +2,7 @@
 
 #include <png.h>
 #include <turbojpeg.h>
+#include <webp/decode.h>
 
 #include <algorithm>
 #include <array>
@@ -33,7 +34,10 @@ ImageFormat formatOf(std::span<const uint8_t> file) {
     if (begins(file, "\xFF\xD8")) {
         return ImageFormat::kJpeg;
     }
-    throw DecodeError("it is neither PNG nor JPEG");
+    if (begins(file, "RIFF") && begins(file.subspan(std::min<size_t>(8, file.size())), "WEBP")) {
+        return ImageFormat::kWebp;
+    }
+    throw DecodeError("it is neither PNG, JPEG nor WebP");
 }
 
 // libpng's reader of a file in memory. Errors leave libpng by longjmp, which calls no destructors:
@@ -198,15 +202,56 @@ DecodedImage decodeJpeg(std::span<const uint8_t> file) {
     return image;
 }
 
+ImageHeader webpHeader(std::span<const uint8_t> file) {
+    WebPBitstreamFeatures features;
+    if (WebPGetFeatures(file.data(), file.size(), &features) != VP8_STATUS_OK ||
+        features.width < 1 || features.height < 1) {
+        throw DecodeError("its WebP header is damaged");
+    }
+    if (features.has_animation != 0) {
+        throw DecodeError("it moves: an animated WebP is no texture");
+    }
+    return {.format = ImageFormat::kWebp, .width = features.width, .height = features.height};
+}
+
+DecodedImage decodeWebp(std::span<const uint8_t> file) {
+    const ImageHeader header = webpHeader(file);
+    const size_t row = 4 * static_cast<size_t>(header.width);
+    std::vector<uint8_t> stored(row * static_cast<size_t>(header.height));
+    if (WebPDecodeRGBAInto(file.data(), file.size(), stored.data(), stored.size(),
+                           static_cast<int>(row)) == nullptr) {
+        throw DecodeError("its WebP data are damaged, or end too early");
+    }
+    DecodedImage image{header.width, header.height, std::vector<uint16_t>(stored.size())};
+    std::transform(stored.begin(), stored.end(), image.rgba.begin(),
+                   [](uint8_t byte) { return static_cast<uint16_t>(kWiden * byte); });
+    return image;
+}
+
 }  // namespace
 
 ImageHeader readImageHeader(std::span<const uint8_t> file) {
-    return formatOf(file) == ImageFormat::kPng ? PngReader(file).header()
-                                               : JpegReader(file).header();
+    switch (formatOf(file)) {
+        case ImageFormat::kPng:
+            return PngReader(file).header();
+        case ImageFormat::kJpeg:
+            return JpegReader(file).header();
+        case ImageFormat::kWebp:
+            return webpHeader(file);
+    }
+    throw std::logic_error("unknown image format");
 }
 
 DecodedImage decodeImage(std::span<const uint8_t> file) {
-    return formatOf(file) == ImageFormat::kPng ? decodePng(file) : decodeJpeg(file);
+    switch (formatOf(file)) {
+        case ImageFormat::kPng:
+            return decodePng(file);
+        case ImageFormat::kJpeg:
+            return decodeJpeg(file);
+        case ImageFormat::kWebp:
+            return decodeWebp(file);
+    }
+    throw std::logic_error("unknown image format");
 }
 
 }  // namespace sheen

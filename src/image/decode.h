@@ -1,5 +1,5 @@
-// Images that others encoded: PNG and JPEG files in memory, such as a scene's textures. Header and
-// pixels are read apart, so that memory can be asked for in between.
+// Images that others encoded: PNG, JPEG and WebP files in memory, such as a scene's textures.
+// Header and pixels are read apart, so that memory can be asked for in between.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sheen {
 
-enum class ImageFormat { kPng, kJpeg };
+enum class ImageFormat { kPng, kJpeg, kWebp };
 
 /// What a file's header promises; at least one pixel.
 struct ImageHeader {
@@ -27,7 +27,7 @@ struct DecodedImage {
     std::vector<uint16_t> rgba;
 };
 
-/// Why a file is no image that can be read, such as "it is neither PNG nor JPEG".
+/// Why a file is no image that can be read, such as "it is neither PNG, JPEG nor WebP".
 class DecodeError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };

@@ -14,12 +14,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <deque>
 #include <filesystem>
 #include <new>
 
+#include "core/error.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "image/atomic_file.h"
@@ -72,6 +74,17 @@ class Channels {
         }
         checkSize(image.width, image.height);
         addFloats(name, image.pixels.data(), 1, as_half);
+    }
+
+    void addMatte(const Matte& matte) {
+        for (size_t r = 0; r < matte.ranks.size(); ++r) {
+            const Image<vec4>& rank = matte.ranks[r];
+            checkSize(rank.width, rank.height);
+            for (int c = 0; c < 4; ++c) {
+                insert(fmt::format("{}{:02}.{}", matte.layer, r, "RGBA"[c]), Imf::FLOAT,
+                       &rank.pixels[0][c], sizeof(vec4));
+            }
+        }
     }
 
     void addIds(const std::string& name, const Image<uint32_t>& image) {
@@ -162,6 +175,16 @@ void addLayers(Channels& channels, const Frame& frame, ExrLayers wanted) {
                 break;
         }
     }
+}
+
+void insertMatte(const Matte& matte, Imf::Header& header) {
+    constexpr int kDigits = 7;  // by which attributes that belong together are known
+    const auto bits = std::bit_cast<uint32_t>(matteIdentifier(matte.layer));
+    const std::string key = "cryptomatte/" + fmt::format("{:08x}", bits).substr(0, kDigits) + "/";
+    header.insert(key + "name", Imf::StringAttribute(matte.layer));
+    header.insert(key + "hash", Imf::StringAttribute("MurmurHash3_32"));
+    header.insert(key + "conversion", Imf::StringAttribute("uint32_to_float32"));
+    header.insert(key + "manifest", Imf::StringAttribute(matte.manifest));
 }
 
 // Files of some writers name a triple but miss a channel: better said than read as a scalar.
@@ -290,8 +313,8 @@ void checkIsExr(const std::string& path) {
 
 }  // namespace
 
-void writeExr(const std::string& path, const Frame& frame, ExrLayers layers,
-              const ExrNotes& notes) {
+void writeExr(const std::string& path, const Frame& frame, ExrLayers layers, const ExrNotes& notes,
+              std::span<const Matte> mattes) {
     SHEEN_CHECK(!frame.primitive.empty());
     const bool exact = !frame.indirect_variance.empty() || !frame.indirect_diffuse_variance.empty();
     const Image<vec3> beauty_image = beauty(frame);
@@ -300,6 +323,9 @@ void writeExr(const std::string& path, const Frame& frame, ExrLayers layers,
     channels.addColor("", kRgb, beauty_image, true);
     channels.addScalar("A", alpha_image, true);
     addLayers(channels, frame, layers);
+    for (const Matte& matte : mattes) {
+        channels.addMatte(matte);
+    }
     AtomicFile file(path);
     Imf::Header header(frame.width(), frame.height());
     header.compression() = Imf::ZIP_COMPRESSION;
@@ -308,6 +334,9 @@ void writeExr(const std::string& path, const Frame& frame, ExrLayers layers,
     }
     for (const auto& [name, number] : notes.numbers) {
         header.insert(name, Imf::FloatAttribute(number));
+    }
+    for (const Matte& matte : mattes) {
+        insertMatte(matte, header);
     }
     Imf::setGlobalThreadCount(threadCount());
     try {

@@ -6,6 +6,7 @@
 //   direct, indirect, caustic, indirect_diffuse, emission, albedo    .R .G .B
 //   N (normal), P (position)    .X .Y .Z
 //   Z (depth), roughness.Y weight.Y records.Y
+//   CryptoMaterial00.R .G .B .A, ...01, CryptoObject00, ...    see cryptomatte.h
 //   primitive.id            unsigned integer, kNoPrimitive where nothing is seen
 //   variance, variance_diffuse, variance_direct, variance_caustic, variance_global    .R .G .B;
 //                           variance of the mean of indirect, indirect_diffuse, direct, caustic,
@@ -15,8 +16,10 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <string>
 
+#include "image/cryptomatte.h"
 #include "image/frame.h"
 
 namespace sheen {
@@ -33,10 +36,10 @@ struct ExrNotes {
     std::map<std::string, float> numbers;
 };
 
-/// Writes `frame` to `path`, which appears whole or not at all. Environment error where the file
-/// cannot be written.
+/// Writes `frame`, and `mattes` of it, to `path`, which appears whole or not at all. Environment
+/// error where the file cannot be written.
 void writeExr(const std::string& path, const Frame& frame, ExrLayers layers,
-              const ExrNotes& notes = {});
+              const ExrNotes& notes = {}, std::span<const Matte> mattes = {});
 
 /// What an EXR file holds. Half and integer channels are converted to float.
 struct LoadedExr {

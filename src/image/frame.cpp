@@ -49,7 +49,8 @@ std::vector<FrameLayer> layersOf(const Frame& frame) {
         {"roughness", "roughness", Kind::kNumber, false, false, nullptr, &frame.roughness},
         {"depth", "Z", Kind::kDepth, true, false, nullptr, &frame.depth},
         {"weight", "weight", Kind::kNumber, true, false, nullptr, &frame.weight},
-        {"records", "records", Kind::kNumber, true, false, nullptr, &frame.records}};
+        {"records", "records", Kind::kNumber, true, false, nullptr, &frame.records},
+        {"error", "error", Kind::kNumber, true, false, nullptr, &frame.error}};
     std::vector<FrameLayer> layers;
     for (const FrameLayer& layer : all) {
         if (layer.triples != nullptr ? !layer.triples->empty() : !layer.numbers->empty()) {

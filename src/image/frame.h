@@ -12,6 +12,13 @@ namespace sheen {
 /// `primitive` of a pixel that sees no geometry.
 constexpr uint32_t kNoPrimitive = 0xffffffffu;
 
+/// A triangle that is seen in a part of a pixel.
+struct Fragment {
+    uint32_t pixel = 0;
+    uint32_t primitive = 0;
+    float coverage = 0;  ///< of the pixel
+};
+
 struct Frame {
     // Outgoing radiance toward the camera, glTF's photometric scale (nits).
     Image<vec3> direct;            ///< punctual lights and lamps, one scattering
@@ -29,9 +36,15 @@ struct Frame {
     Image<float> roughness;     ///< perceptual (glTF)
     Image<float> depth;         ///< along the view axis, scene units; +inf where nothing is seen
     Image<uint32_t> primitive;  ///< triangle index in Scene, or kNoPrimitive
+    /// Of pixels that an edge passes through, all that is seen in them, by pixel; others see their
+    /// `primitive` alone.
+    std::vector<Fragment> fragments;
     // The cache.
     Image<float> weight;   ///< sum of record weights
     Image<float> records;  ///< number of records serving the pixel
+    /// Root of the squared error of the indirect light's luminance that its records expect of each
+    /// other; the same for 2 x 2 pixels.
+    Image<float> error;
     // The reference: variance of the mean, from independent replicates.
     Image<vec3> indirect_variance;
     Image<vec3> indirect_diffuse_variance;

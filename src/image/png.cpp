@@ -98,14 +98,14 @@ void writePng(const std::string& path, const Image<vec3>& image, std::optional<f
 }
 
 void writePng(const std::string& path, const Frame& frame, std::optional<float> exposure,
-              ToneCurve curve) {
+              const ToDisplay& to_display) {
     const Image<float> opaque = alpha(frame);
     Image<vec3> seen = beauty(frame);
     // PNG wants the colour of what covers a pixel, whatever its share.
     for (size_t i = 0; i < seen.pixels.size(); ++i) {
         seen.pixels[i] /= opaque.pixels[i] > 0.0f ? opaque.pixels[i] : 1.0f;
     }
-    const Image<Rgb8> image = displayImage(seen, exposure, curve);
+    const Image<Rgb8> image = displayImage(seen, exposure, to_display);
     if (std::all_of(opaque.pixels.begin(), opaque.pixels.end(),
                     [](float a) { return a == 1.0f; })) {
         writePng(path, image);

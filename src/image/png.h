@@ -15,7 +15,7 @@ void writePng(const std::string& path, const Image<vec3>& image, std::optional<f
 
 /// The frame's beauty, see above; transparent where neither a surface nor a sky is seen.
 void writePng(const std::string& path, const Frame& frame, std::optional<float> exposure,
-              ToneCurve curve = ToneCurve::kNeutral);
+              const ToDisplay& to_display = toSrgb());
 
 /// Display values as they are, as the bytes of a PNG file; with a palette where 256 colours do.
 std::string pngBytes(const Image<Rgb8>& image);

@@ -82,7 +82,15 @@ Image<Rgb8> bytesFromDisplay(const Image<vec3>& image) {
     return bytes;
 }
 
-Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure, ToneCurve curve) {
+ToDisplay toSrgb(ToneCurve curve) {
+    return [curve](const vec3& color) {
+        const vec3 mapped = toneMap(color, curve);
+        return vec3(srgbFromLinear(mapped.r), srgbFromLinear(mapped.g), srgbFromLinear(mapped.b));
+    };
+}
+
+Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure,
+                         const ToDisplay& to_display) {
     const float stops = exposure ? *exposure : autoExposure(image);
     const float scale = std::exp2(std::clamp(stops, -kMaxStops, kMaxStops));
     Image<Rgb8> display(image.width, image.height);
@@ -91,10 +99,9 @@ Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure
             display.pixels[i] = kNotFinite;
             continue;
         }
-        // Exposing may overflow where the pixel itself is finite; the curve is flat far below.
-        const vec3 mapped = toneMap(glm::min(image.pixels[i] * scale, vec3(kSurelyWhite)), curve);
-        display.pixels[i] = bytesFromUnit(
-            {srgbFromLinear(mapped.r), srgbFromLinear(mapped.g), srgbFromLinear(mapped.b)});
+        // Exposing may overflow where the pixel itself is finite; curves are flat far below.
+        display.pixels[i] =
+            bytesFromUnit(to_display(glm::min(image.pixels[i] * scale, vec3(kSurelyWhite))));
     }
     return display;
 }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "image/frame.h"
@@ -39,9 +40,15 @@ struct Rgb8 {
 /// Display values in [0, 1] (clamped), already sRGB-encoded, rounded to nearest.
 Image<Rgb8> bytesFromDisplay(const Image<vec3>& image);
 
-/// 2^exposure * image through the curve and the transfer function, rounded to nearest. Pixels that
-/// are not finite become magenta, so that they are seen. `exposure` in stops; none: autoExposure.
+/// From exposed linear Rec. 709 radiance to what a display is sent, [0, 1] where it shows it.
+using ToDisplay = std::function<vec3(const vec3&)>;
+
+/// Through the curve and the sRGB transfer function.
+ToDisplay toSrgb(ToneCurve curve = ToneCurve::kNeutral);
+
+/// 2^exposure * image as a display is sent it, rounded to nearest. Pixels that are not finite
+/// become magenta, so that they are seen. `exposure` in stops; none: autoExposure.
 Image<Rgb8> displayImage(const Image<vec3>& image, std::optional<float> exposure,
-                         ToneCurve curve = ToneCurve::kNeutral);
+                         const ToDisplay& to_display = toSrgb());
 
 }  // namespace sheen

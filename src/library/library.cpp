@@ -419,7 +419,7 @@ sheen_status sheen_frame_write(const sheen_frame* frame, const char* path,
                      frame->notes);
         } else {
             writePng(path, frame->frame, cli::parseExposure(request->options.exposure),
-                     cli::toneCurve(request->options));
+                     request->options.to_display);
         }
     });
 }

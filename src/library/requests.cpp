@@ -11,7 +11,7 @@ namespace {
 constexpr std::array<std::string_view, 5> kOfScene = {
     "variant", "environment", "environment-rotation", "environment-strength", "transparent"};
 constexpr std::array<std::string_view, 4> kOfView = {"camera", "camera-at", "look-at", "fov"};
-constexpr std::array<std::string_view, 2> kOfWriting = {"exposure", "tone"};
+constexpr std::array<std::string_view, 4> kOfWriting = {"exposure", "tone", "view", "ocio"};
 constexpr std::array<std::string_view, 3> kOfPoints = {"accuracy", "bounces", "threads"};
 constexpr std::array<std::string_view, 3> kOfProgram = {"help", "output", "json"};
 

@@ -113,8 +113,9 @@ class EdgeFinder {
     struct Look {
         EdgePixel mean;
         std::vector<EdgeShare> shares;  // `receiver`: of strays, from first_stray on
-        std::vector<size_t> strays;     // samples that see them
-        std::vector<size_t> next;       // pixels that what they see reaches
+        std::vector<EdgeTriangle> seen;
+        std::vector<size_t> strays;  // samples that see them
+        std::vector<size_t> next;    // pixels that what they see reaches
     };
 
     GBuffer see(std::span<const vec2> places, int columns) const {
@@ -145,6 +146,17 @@ class EdgeFinder {
     Image<uint8_t> known_;  // 1: in found_
     std::vector<size_t> found_;
 };
+
+void addTriangle(uint32_t triangle, float coverage, std::vector<EdgeTriangle>& seen) {
+    const auto known = std::find_if(seen.begin(), seen.end(), [triangle](const EdgeTriangle& t) {
+        return t.triangle == triangle;
+    });
+    if (known == seen.end()) {
+        seen.push_back({triangle, coverage});
+    } else {
+        known->coverage += coverage;
+    }
+}
 
 void EdgeFinder::add(size_t pixel) {
     if (known_.pixels[pixel] == 0) {
@@ -223,6 +235,8 @@ void EdgeFinder::look(const std::vector<size_t>& found, Edges& edges, std::vecto
         kGrain);
     for (Look& look : looks) {
         look.mean.first_share = edges.shares.size();
+        look.mean.first_seen = edges.seen.size();
+        edges.seen.insert(edges.seen.end(), look.seen.begin(), look.seen.end());
         edges.pixels.push_back(look.mean);
         for (EdgeShare& share : look.shares) {
             share.receiver +=
@@ -272,6 +286,7 @@ EdgeFinder::Look EdgeFinder::lookAt(size_t pixel, const GBuffer& seen, size_t fi
         if (!seen.seen(i)) {
             continue;
         }
+        addTriangle(seen.primitive.pixels[i], all, look.seen);
         int receiver = 0;
         if (const std::optional<size_t> host = pixelOfSurface(pixel, place)) {
             receiver = static_cast<int>(*host);

@@ -17,6 +17,12 @@ struct EdgeShare {
     vec3 specular{0.0f};  ///< albedo of the lobe
 };
 
+/// A triangle that samples of a pixel see, and how many of them.
+struct EdgeTriangle {
+    uint32_t triangle = 0;
+    float coverage = 0;
+};
+
 /// Means over the samples of one pixel.
 struct EdgePixel {
     size_t pixel = 0;
@@ -24,11 +30,13 @@ struct EdgePixel {
     vec3 direct{0.0f};
     vec3 emission{0.0f};
     size_t first_share = 0;  ///< of its shares, up to the next pixel's
+    size_t first_seen = 0;   ///< of its triangles, likewise
 };
 
 struct Edges {
     std::vector<EdgePixel> pixels;
     std::vector<EdgeShare> shares;
+    std::vector<EdgeTriangle> seen;
     /// Points that samples see and no pixel around, as receivers in a column of their own: thin or
     /// small things. They come after the pixels, whose number is `first_stray`.
     Receivers strays;
@@ -37,6 +45,10 @@ struct Edges {
     /// The end of the shares of the k-th pixel.
     size_t endOfShares(size_t k) const {
         return k + 1 < pixels.size() ? pixels[k + 1].first_share : shares.size();
+    }
+    /// Likewise of its triangles.
+    size_t endOfSeen(size_t k) const {
+        return k + 1 < pixels.size() ? pixels[k + 1].first_seen : seen.size();
     }
 };
 

@@ -33,10 +33,21 @@ void cut(Frame& frame, const Crop& crop) {
           &frame.caustic_variance, &frame.global_variance}) {
         cut(*layer, crop);
     }
-    for (Image<float>* layer :
-         {&frame.coverage, &frame.roughness, &frame.depth, &frame.weight, &frame.records}) {
+    for (Image<float>* layer : {&frame.coverage, &frame.roughness, &frame.depth, &frame.weight,
+                                &frame.records, &frame.error}) {
         cut(*layer, crop);
     }
+    std::vector<Fragment> fragments;
+    for (Fragment fragment : frame.fragments) {
+        const auto width = static_cast<uint32_t>(frame.primitive.width);
+        const ivec2 at = ivec2(fragment.pixel % width, fragment.pixel / width) - crop.first;
+        if (glm::all(glm::greaterThanEqual(at, ivec2(0))) &&
+            glm::all(glm::lessThan(at, crop.size))) {
+            fragment.pixel = static_cast<uint32_t>(at.y * crop.size.x + at.x);
+            fragments.push_back(fragment);
+        }
+    }
+    frame.fragments = std::move(fragments);
     cut(frame.primitive, crop);
 }
 

@@ -47,8 +47,12 @@ int serveByHints(const Receivers& receivers, const HintLight& hinted, SplatBuffe
     return count;
 }
 
+// Images of up to so many pixels are splatted by the processor, whose time is about that of
+// software OpenGL there, and less below.
+constexpr size_t kFewPixels = size_t{160} * 160;
+
 // The size that the next view begins with, where this one's beginning took so many times the time
-// there was for it.
+// there was for it, gathering apart.
 int nextSize(int divisor, double took) {
     constexpr double kMuch = 1.5, kLittle = 0.4;
     return took > kMuch     ? std::min(2 * divisor, kCoarsest)
@@ -106,7 +110,8 @@ struct LiveImage::State {
     double show_seconds = 0.0;  // what showing took last
     Frame frame;
     LiveProgress progress;
-    std::vector<LiveMark> marks;
+    RecordCache cache;  // that the frame is by
+    WeightParams weight{};
     Image<float> orders;
 
     // Ends the level; its records are kept.
@@ -142,8 +147,9 @@ struct LiveImage::State {
     }
     // Where there are no records yet: a frame by hints alone, at once. Whether it was one.
     bool beginByHints();
-    // Places records for about so many seconds of the timer, and shows what there is.
-    void fill(const Timer& timer, double seconds);
+    // Places records until about so many seconds of the timer, once at the least, and shows what
+    // there is. How long the placing took.
+    double fill(const Timer& timer, double seconds);
     void show();
     void finish();
 };
@@ -162,7 +168,40 @@ const RenderParams& LiveImage::params() const { return s_->params; }
 const Camera& LiveImage::camera() const { return s_->scene.cameras.back(); }
 const Frame& LiveImage::frame() const { return s_->frame; }
 const LiveProgress& LiveImage::progress() const { return s_->progress; }
-const std::vector<LiveMark>& LiveImage::marks() const { return s_->marks; }
+
+std::vector<LiveMark> LiveImage::marks() const {
+    std::vector<LiveMark> marks;
+    for (const Record& k : s_->cache.records) {
+        marks.push_back({k.position, k.normal, s_->weight.accuracy * k.radius, k.order});
+    }
+    return marks;
+}
+
+std::optional<PixelParts> LiveImage::partsAt(const vec2& place) const {
+    const State& s = *s_;
+    const bool inside = place.x >= 0.0f && place.y >= 0.0f && place.x < 1.0f && place.y < 1.0f;
+    if (!s.built || s.orders.empty() || !inside) {
+        return std::nullopt;
+    }
+    const auto pixelOf = [&](int width, int height) {
+        const vec2 size(width, height);
+        return ivec2(glm::min(place * size, size - 1.0f));
+    };
+    const ivec2 coarse = pixelOf(s.orders.width, s.orders.height);
+    const int order = std::max(static_cast<int>(s.orders.at(coarse.x, coarse.y)), 0);
+    PixelParts parts = partsOf(*s.built, s.params, pixelOf(s.params.width, s.params.height), order,
+                               s.cache, s.weight);
+    const ivec2 shown = pixelOf(s.frame.width(), s.frame.height());
+    const auto in = [&](const Image<vec3>& layer) {
+        return layer.empty() ? vec3(0.0f) : layer.at(shown.x, shown.y);
+    };
+    parts.direct = in(s.frame.direct);
+    parts.indirect = in(s.frame.indirect);
+    parts.caustic = in(s.frame.caustic);
+    parts.emission = in(s.frame.emission);
+    return parts;
+}
+
 const Image<float>& LiveImage::orders() const { return s_->orders; }
 bool LiveImage::done() const { return !s_->changed && s_->progress.complete; }
 
@@ -223,9 +262,12 @@ void LiveImage::step(double seconds) {
         } else if (s.level->full) {
             s.begin(s.divisor / 2);
         }
-        s.fill(timer, began ? seconds : std::max(seconds, kFillOverShow * s.show_seconds));
+        // What moves is shown in time: with as many new records as the rest of it allows.
+        const double filled =
+            s.fill(timer, began ? seconds - s.show_seconds
+                                : std::max(seconds, kFillOverShow * s.show_seconds));
         if (began) {
-            s.begin_at = nextSize(s.begin_at, timer.seconds() / seconds);
+            s.begin_at = nextSize(s.begin_at, (timer.seconds() - filled) / seconds);
         }
     }
     s.progress.seconds.total = timer.seconds();
@@ -233,7 +275,8 @@ void LiveImage::step(double seconds) {
 
 bool LiveImage::State::beginByHints() {
     if (!built) {
-        built = std::make_unique<SceneState>(scene, params.gather_road, progress.seconds);
+        built =
+            std::make_unique<SceneState>(scene, params.gather_road, params.gl, progress.seconds);
     }
     if (level || kept.size() > 0) {
         return false;
@@ -247,7 +290,7 @@ bool LiveImage::State::beginByHints() {
     frame = std::move(result.frame);
     frame.shows_sky = scene.environment.shows();
     orders = Image<float>(p.width, p.height);
-    marks.clear();
+    cache = {};
     progress = {.width = p.width,
                 .height = p.height,
                 .uncovered = result.stats.pixels_uncovered,
@@ -255,7 +298,7 @@ bool LiveImage::State::beginByHints() {
     return true;
 }
 
-void LiveImage::State::fill(const Timer& timer, double seconds) {
+double LiveImage::State::fill(const Timer& timer, double seconds) {
     const GatherSeconds before = level->gatherer->seconds();
     const Timer fill_timer;
     while (!level->full) {
@@ -269,11 +312,13 @@ void LiveImage::State::fill(const Timer& timer, double seconds) {
     const GatherSeconds after = level->gatherer->seconds();
     progress.seconds.gather += after.see - before.see;
     progress.seconds.project += after.project - before.project;
+    const double took = fill_timer.seconds();
     progress.seconds.placement +=
-        fill_timer.seconds() - (after.see - before.see) - (after.project - before.project);
+        took - (after.see - before.see) - (after.project - before.project);
     if (!shown) {
         show();
     }
+    return took;
 }
 
 // What a level leaves out: edges, surfaces that light passes, an estimate of the error.
@@ -291,22 +336,24 @@ void LiveImage::State::finish() {
 
 void LiveImage::State::show() {
     const Timer show_timer;
-    const RecordCache cache = level->placed.handOver();
-    const WeightParams weight = level->how.servingWeight();
+    cache = level->placed.handOver();
+    weight = level->how.servingWeight();
     const Timer splat_timer;
-    SplatBuffer splat = splatView(*built, level->view, cache, weight);
+    const Receivers& receivers = level->view.receivers;
+    SplatBuffer splat = receivers.positions.size() <= kFewPixels
+                            ? splatCpu(receivers, cache, weight)
+                            : splatView(*built, level->view, cache, weight);
     progress.uncovered = 0;
     if (!level->full) {
         if (!level->hinted) {
-            level->hinted = hints->at(level->view.receivers);
+            level->hinted = hints->at(receivers);
         }
-        progress.uncovered = serveByHints(level->view.receivers, *level->hinted, splat);
+        progress.uncovered = serveByHints(receivers, *level->hinted, splat);
     }
     progress.seconds.splat += splat_timer.seconds();
     const Timer compose_timer;
     frame = {};
-    compose(level->view.receivers, splat, specularByRays(level->view, splat, level->full), true,
-            frame);
+    compose(receivers, splat, specularByRays(level->view, splat, level->full), true, frame);
     for (size_t i = 0; i < level->view.of_coats.pixels.size(); ++i) {
         frame.indirect.pixels[i] += level->view.of_coats.pixels[i];
     }
@@ -317,11 +364,6 @@ void LiveImage::State::show() {
     progress.records = static_cast<int>(cache.records.size());
     progress.records_new = static_cast<int>(level->view.field.records.size() - level->began_with);
     progress.estimated_rel_rmse = std::numeric_limits<double>::quiet_NaN();
-    marks.clear();
-    for (const Record& k : cache.records) {
-        marks.push_back({k.position, k.normal, weight.accuracy * k.radius, k.order});
-    }
-    const Receivers& receivers = level->view.receivers;
     orders = Image<float>(progress.width, progress.height);
     for (size_t i = 0; i < orders.pixels.size(); ++i) {
         orders.pixels[i] = std::max(static_cast<float>(receivers.orders[i]), 0.0f);

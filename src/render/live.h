@@ -6,8 +6,10 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "render/pixel_parts.h"
 #include "render/render.h"
 
 namespace sheen {
@@ -60,7 +62,11 @@ class LiveImage {
     const Frame& frame() const;
     const LiveProgress& progress() const;
     /// Those that serve the frame.
-    const std::vector<LiveMark>& marks() const;
+    std::vector<LiveMark> marks() const;
+    /// Of a place of the image, (0, 0) its upper left, (1, 1) its lower right corner: of the whole
+    /// image's pixel there, by the records that serve the frame. None before the first frame, and
+    /// for a place outside.
+    std::optional<PixelParts> partsAt(const vec2& place) const;
     /// Of the spherical harmonics that each pixel of the frame asks for.
     const Image<float>& orders() const;
 

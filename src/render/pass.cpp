@@ -1,6 +1,7 @@
 #include "render/pass.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "cache/estimate.h"
@@ -87,16 +88,32 @@ Image<vec3> specularByRays(const ViewState& view, const SplatBuffer& splat, bool
 
 namespace {
 
+// What is expected of each judged pixel, for those around it too.
+Image<float> errorLayer(const Image<float>& squares) {
+    Image<float> layer(squares.width, squares.height);
+    for (int y = 0; y < layer.height; ++y) {
+        for (int x = 0; x < layer.width; ++x) {
+            layer.at(x, y) = std::sqrt(squares.at(x - x % 2, y - y % 2));
+        }
+    }
+    return layer;
+}
+
 // How wrong the image is: by the records, and by probes, which cast rays whatever road the records
-// took. Probes cost a twentieth of the records, up to what is enough.
+// took. Probes cost a twentieth of the records, up to what is enough. `layer`: Frame::error, unless
+// null.
 ErrorEstimate judge(const SceneState& state, const RenderParams& params, const ViewState& view,
                     const RecordCache& cache, const WeightParams& weight,
-                    const HemisphereParams& hemisphere, const Image<vec3>& indirect) {
+                    const HemisphereParams& hemisphere, const Image<vec3>& indirect,
+                    Image<float>* layer) {
     constexpr size_t kRecordsPerProbe = 40;
     constexpr size_t kFewest = 32;
     constexpr size_t kEnough = 400;
     const NeighbourErrors errors =
         neighbourErrors(view.receivers, cache, view.field.pixels, weight, indirect);
+    if (layer != nullptr && !errors.squares.empty()) {
+        *layer = errorLayer(errors.squares);
+    }
     std::vector<Probe> probes = chooseProbes(
         errors, view.receivers, indirect,
         static_cast<int>(std::clamp(cache.records.size() / kRecordsPerProbe, kFewest, kEnough)));
@@ -229,7 +246,8 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     }
     const ErrorEstimate estimate = judge(
         state, params, view, placement.cache, how.servingWeight(), hemisphere,
-        view.receivers.irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect);
+        view.receivers.irradiance_only ? result.frame.indirect_diffuse : result.frame.indirect,
+        params.all_layers ? &result.frame.error : nullptr);
     if (view.edges) {
         counts.add(smoothEdges(state, view, placement.cache, how, hemisphere,
                                {view.receivers, splat, specular}, result));

@@ -291,9 +291,10 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             }
             viewOf(scene_, params);  // before anything is made for it
             StageSeconds seconds;
-            if (!state_ || state_->road != params.gather_road) {
+            if (!state_ || state_->road != params.gather_road || state_->backend != params.gl) {
                 state_.reset();  // never two of them in memory
-                state_ = std::make_unique<SceneState>(scene_, params.gather_road, seconds);
+                state_ =
+                    std::make_unique<SceneState>(scene_, params.gather_road, params.gl, seconds);
             }
             RenderParams smoothed = params;
             smoothed.specular.pixel_area = params.aa > 1;

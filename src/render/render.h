@@ -12,6 +12,7 @@
 #include "cache/placement_params.h"
 #include "cache/record_field.h"
 #include "core/bounces.h"
+#include "gl/context.h"
 #include "glossy/specular_rays.h"
 #include "hemisphere/hemisphere.h"
 #include "image/frame.h"
@@ -49,6 +50,7 @@ struct RenderParams {
     double time_limit = 0;
     int sh_order = 0;  ///< 0: chosen per material
     GatherRoad gather_road = GatherRoad::kRays;
+    gl::Backend gl = gl::kDefaultBackend;
     /// size 0: by the accuracy; extent 0: by the kind
     HemisphereParams gather{.size = 0, .extent = 0.0f};
     SpecularParams specular;
@@ -79,6 +81,19 @@ struct StageSeconds {
     double total = 0, load = 0, gbuffer = 0, shadow = 0, bounces = 0, placement = 0, gather = 0,
            project = 0, splat = 0, caustics = 0, compose = 0, trace = 0, denoise = 0, write = 0;
 };
+/// Those that make up the total, in the order they run.
+struct Stage {
+    const char* name;
+    double StageSeconds::*seconds;
+};
+constexpr Stage kStages[] = {
+    {"load", &StageSeconds::load},           {"gbuffer", &StageSeconds::gbuffer},
+    {"shadow", &StageSeconds::shadow},       {"bounces", &StageSeconds::bounces},
+    {"placement", &StageSeconds::placement}, {"gather", &StageSeconds::gather},
+    {"project", &StageSeconds::project},     {"splat", &StageSeconds::splat},
+    {"caustics", &StageSeconds::caustics},   {"compose", &StageSeconds::compose},
+    {"trace", &StageSeconds::trace},         {"denoise", &StageSeconds::denoise},
+    {"write", &StageSeconds::write}};
 
 /// What the program prints and writes as --json.
 struct RenderStats {

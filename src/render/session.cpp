@@ -60,12 +60,14 @@ Image<vec3> lightOfCoats(const OutgoingLight& light, const std::optional<Receive
 
 }  // namespace
 
-SceneState::SceneState(const Scene& scene_, GatherRoad road_, StageSeconds& seconds)
+SceneState::SceneState(const Scene& scene_, GatherRoad road_, gl::Backend backend_,
+                       StageSeconds& seconds)
     : scene(scene_),
       road(road_),
+      backend(backend_),
       specular(anySpecular(scene)),
       // Only the raster gather draws with more than one context.
-      pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount()),
+      pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount(), backend_),
       tracer(timed(seconds.gather, [&] { return Tracer(scene); })),
       lights(timed(seconds.gather, [&] { return std::make_optional<SceneLights>(tracer); })) {
     if (road == GatherRoad::kRaster) {
@@ -104,10 +106,10 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
 
 std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers& receivers,
                                                                  int bounces, bool reuse) {
-    constexpr double kMostLacking = 0.02;
+    constexpr double kMoreLacking = 0.03;  // than where it was made for
     const std::vector<ElementSite> from = someOf(scene, receivers);
     if (reuse && again && again->bounces() == bounces &&
-        again->lackingShare(from) <= kMostLacking) {
+        again->lackingShare(from) <= again_lacking + kMoreLacking) {
         return again;
     }
     again.reset();  // never two of them in memory
@@ -115,6 +117,7 @@ std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers
                                                        bounces);
     if (reuse) {
         again = made;
+        again_lacking = made->lackingShare(from);
     }
     return made;
 }

@@ -20,6 +20,7 @@ namespace sheen {
 struct SceneState {
     const Scene& scene;
     const GatherRoad road;
+    const gl::Backend backend;
     bool specular;  // some surface is
     gl::WorkerPool pool;
     Tracer tracer;
@@ -29,9 +30,10 @@ struct SceneState {
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
     /// Light kept on surfaces that serves the next view too, where records do.
     std::shared_ptr<const ScatteredAgain> again;
+    double again_lacking = 0.0;  ///< near what share of where it was looked for no element is
 
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
-    SceneState(const Scene& scene, GatherRoad road, StageSeconds& seconds);
+    SceneState(const Scene& scene, GatherRoad road, gl::Backend backend, StageSeconds& seconds);
     ~SceneState();
     /// Whether its caustics are a layer of their own.
     bool keepsCausticsApart(const RenderParams& params) const;

@@ -18,6 +18,7 @@ struct Places {
     std::vector<std::string> light_names;
     std::vector<Camera> cameras;
     Bounds bounds;
+    std::vector<Scene::Object> objects;
     std::vector<Scene::Source> sources;
     std::vector<uvec4> source_corners;
 };
@@ -35,6 +36,7 @@ void exchange(Places& places, Scene& scene) {
     std::swap(places.light_names, scene.light_names);
     std::swap(places.cameras, scene.cameras);
     std::swap(places.bounds, scene.bounds);
+    std::swap(places.objects, scene.objects);
     std::swap(places.sources, scene.sources);
     std::swap(places.source_corners, scene.source_corners);
 }

@@ -9,7 +9,6 @@ namespace {
 constexpr const char* kRight = "right";
 constexpr const char* kIgnored = "ignored";
 constexpr const char* kUnseen = "ignored: it changes nothing that is seen";
-constexpr const char* kRefused = "refused";
 
 // Those that a file may require; others are ignored where they are optional.
 const std::map<std::string, const char*> kExtensions = {
@@ -17,8 +16,9 @@ const std::map<std::string, const char*> kExtensions = {
     {"EXT_mesh_gpu_instancing", kRight},
     {"EXT_meshopt_compression", kRight},
     {"EXT_texture_avif", kIgnored},
-    {"EXT_texture_webp", kIgnored},
+    {"EXT_texture_webp", kRight},
     {"KHR_animation_pointer", "approximated: of nodes, lights and cameras alone"},
+    {"KHR_draco_mesh_compression", kRight},
     {"KHR_lights_punctual", kRight},
     {"KHR_materials_anisotropy", "approximated: a round highlight as wide on average"},
     {"KHR_materials_clearcoat",
@@ -49,10 +49,7 @@ const std::map<std::string, const char*> kExtensions = {
 
 const char* treatmentOf(const std::string& extension) {
     const auto known = kExtensions.find(extension);
-    if (known != kExtensions.end()) {
-        return known->second;
-    }
-    return extension == "KHR_draco_mesh_compression" ? kRefused : kIgnored;
+    return known != kExtensions.end() ? known->second : kIgnored;
 }
 
 // Whether `of` holds for one of a list.

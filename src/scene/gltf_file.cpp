@@ -336,6 +336,7 @@ void parse(File& file) {
     readBuffers(file, buffers, parts.chunk);
     readImages(file, images);
     decompressViews(file);
+    decompressMeshes(file);
 }
 
 }  // namespace sheen::gltf

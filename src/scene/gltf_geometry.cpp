@@ -370,21 +370,12 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
     }
 }
 
-// Input error where a mesh is nowhere but in a form that is not read.
-void checkReadable(const File& file, const tinygltf::Primitive& source, const std::string& where) {
-    const auto positions = source.attributes.find("POSITION");
-    if (source.extensions.count("KHR_draco_mesh_compression") > 0 &&
-        positions != source.attributes.end() &&
-        file.at(file.model.accessors, positions->second, where, "accessor").bufferView < 0) {
-        file.fail(where, "KHR_draco_mesh_compression is not supported; export uncompressed");
-    }
-}
-
 }  // namespace
 
 void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
     const tinygltf::Mesh& mesh = file.model.meshes[static_cast<size_t>(mesh_index)];
     const auto default_material = static_cast<uint32_t>(scene.materials.size() - 1);
+    bool named = false;
     for (size_t i = 0; i < mesh.primitives.size(); ++i) {
         const tinygltf::Primitive& source = mesh.primitives[i];
         const std::string where = fmt::format(
@@ -401,7 +392,6 @@ void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
             file.at(file.model.materials, own, where, "material");
             material = static_cast<uint32_t>(own);
         }
-        checkReadable(file, source, where);
         Primitive primitive = readPrimitive(file, source, pose.weights, where);
         for (const TextureUse& use : scene.materials[material].textures) {
             if (use.used() && (use.uv_set == 0 ? primitive.uvs : primitive.second_uvs).empty()) {
@@ -423,6 +413,13 @@ void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
             primitive.tangents.clear();  // flat normals are not those that tangents were made for
         }
         const size_t first_triangle = scene.triangles.size();
+        if (!named) {
+            named = true;
+            const auto node = static_cast<size_t>(pose.node);
+            scene.objects.push_back(
+                {static_cast<uint32_t>(first_triangle),
+                 firstName(file.model.nodes[node].name, mesh.name, "node", node)});
+        }
         if (file.keeps_sources) {
             scene.sources.push_back({.first_triangle = static_cast<uint32_t>(first_triangle),
                                      .node = pose.node,

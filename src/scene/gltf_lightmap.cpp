@@ -50,6 +50,9 @@ class Writer {
             rewriteNode(i, end);
             i = end;
         }
+        if (!anyCompressedMesh()) {
+            forgetExtension(document_, kMeshCompression);
+        }
         for (const int material : used_materials_) {
             setMaterial(arrayIn(document_, "materials")[static_cast<size_t>(material)], texture);
         }
@@ -133,16 +136,21 @@ class Writer {
             if (file_.images[i].buffer_view >= 0 || content.bytes.empty()) {
                 continue;  // there already, or nowhere
             }
-            static constexpr unsigned char kPng[] = {0x89, 'P', 'N', 'G'};
-            const bool png = content.bytes.size() > sizeof(kPng) &&
-                             std::memcmp(content.bytes.data(), kPng, sizeof(kPng)) == 0;
             const size_t view = addView(content.bytes.data(), content.bytes.size());
             images[i].erase("uri");
             images[i]["bufferView"] = view;
             if (!images[i].contains("mimeType")) {
-                images[i]["mimeType"] = png ? "image/png" : "image/jpeg";
+                images[i]["mimeType"] = mediaTypeOf(content.bytes);
             }
         }
+    }
+
+    static const char* mediaTypeOf(const std::vector<unsigned char>& image) {
+        const auto begins = [&](std::string_view magic) {
+            return image.size() > magic.size() &&
+                   std::memcmp(image.data(), magic.data(), magic.size()) == 0;
+        };
+        return begins("\x89PNG") ? "image/png" : begins("RIFF") ? "image/webp" : "image/jpeg";
     }
 
     // The second set of coordinates or, where materials have textures by that, the next one that no
@@ -260,6 +268,9 @@ class Writer {
         primitive["indices"] = addAccessor(indices.data(), sizeof(uint32_t), indices.size(),
                                            TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, "SCALAR");
         primitive.erase("mode");
+        if (primitive.contains("extensions")) {
+            primitive["extensions"].erase(kMeshCompression);
+        }
         if (!primitive.contains("material")) {
             primitive["material"] = defaultMaterial();
         }
@@ -286,6 +297,19 @@ class Writer {
             }
             attributes[name] = *zeros;
         }
+    }
+
+    // Those that no node shows stay as they are.
+    bool anyCompressedMesh() {
+        for (const Json& mesh : arrayIn(document_, "meshes")) {
+            for (const Json& primitive : mesh["primitives"]) {
+                if (primitive.contains("extensions") &&
+                    primitive["extensions"].contains(kMeshCompression)) {
+                    return true;
+                }
+            }
+        }
+        return false;
     }
 
     int indexFrom(const Json& value, const std::string& where, const char* kind) const {
@@ -406,6 +430,7 @@ class Writer {
             {"baseColorTexture", use}, {"metallicFactor", 0}, {"roughnessFactor", 1}};
     }
 
+    static constexpr const char* kMeshCompression = "KHR_draco_mesh_compression";
     static constexpr const char* kCompressions[] = {"EXT_meshopt_compression",
                                                     "KHR_meshopt_compression"};
 

@@ -93,8 +93,8 @@ struct File {
     bool animated() const;
 };
 
-/// Parses `file.bytes`, or reads `file.path`: whole, version 2, with no extension required that is not understood; images
-/// stay encoded. Throws input errors.
+/// Parses `file.bytes`, or reads `file.path`: whole, version 2, with no extension required that is
+/// not understood; images stay encoded. Throws input errors.
 void parse(File& file);
 
 /// Whether an extension is one that docs/gltf.md lists, right or not: a file may require it.
@@ -150,6 +150,10 @@ void readImages(File& file, const nlohmann::json& images);
 /// Makes of each compressed buffer view one of a buffer of its own; one that cannot be decoded is
 /// missing there.
 void decompressViews(File& file);
+
+/// Gives the accessors of each Draco-compressed primitive, unless the file holds their numbers
+/// besides, buffers of their own. Input error for one that cannot be decoded.
+void decompressMeshes(File& file);
 
 /// A part of a buffer, checked against it; `where`: who asks, for errors.
 ByteSpan bytesOf(const File& file, int buffer, size_t offset, size_t length,

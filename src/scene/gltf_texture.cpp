@@ -12,7 +12,7 @@ namespace {
 // An image of more texels is left out.
 constexpr int64_t kMaxTexels = int64_t{1} << 27;
 // What a byte of a file can hold at most: zlib packs 1032 bytes of 8 texels each into one, and
-// JPEG's blocks of 64 texels take a bit or more.
+// JPEG's blocks of 64 texels take a bit or more. WebP needs nothing for a texel of one colour.
 constexpr int64_t kTexelsPerPngByte = 1032 * 8;
 constexpr int64_t kTexelsPerJpegByte = 64 * 8;
 
@@ -36,8 +36,9 @@ void checkImage(const File& file, const ImageHeader& header, size_t bytes,
     if (texels > kMaxTexels) {
         throw DecodeError(fmt::format("{} x {} texels are too many", header.width, header.height));
     }
-    const int64_t a_byte =
-        header.format == ImageFormat::kPng ? kTexelsPerPngByte : kTexelsPerJpegByte;
+    const int64_t a_byte = header.format == ImageFormat::kPng    ? kTexelsPerPngByte
+                           : header.format == ImageFormat::kJpeg ? kTexelsPerJpegByte
+                                                                 : kMaxTexels;
     if (texels / a_byte > static_cast<int64_t>(bytes)) {
         throw DecodeError(fmt::format("its {} bytes cannot hold the {} x {} texels it promises",
                                       bytes, header.width, header.height));
@@ -115,6 +116,14 @@ int largestSide(File& file) {
     return side;
 }
 
+// Of the extension for WebP before the texture's own, which is for who does not know it.
+int imageOf(const File& file, const tinygltf::Texture& texture, const std::string& where) {
+    const auto webp = texture.extensions.find("EXT_texture_webp");
+    return webp == texture.extensions.end()
+               ? texture.source
+               : integerMember(file, webp->second, "source", texture.source, where);
+}
+
 vec2 pairMember(const File& file, const tinygltf::Value& object, const char* key,
                 const vec2& fallback, const std::string& where) {
     if (!object.Has(key)) {
@@ -160,8 +169,9 @@ std::optional<TextureImage> loadImage(File& file, int index, const char* loss, i
         checkImage(file, header, encoded.size(), where);
         return storedImage(decodeImage(encoded));
     } catch (const DecodeError& error) {
-        file.notes.add(fmt::format("{}: it cannot be decoded: {}: {}; use an intact PNG or JPEG",
-                                   where, oneLine(error.what()), loss));
+        file.notes.add(
+            fmt::format("{}: it cannot be decoded: {}: {}; use an intact PNG, JPEG or WebP", where,
+                        oneLine(error.what()), loss));
         return std::nullopt;
     }
 }
@@ -182,18 +192,19 @@ TextureLoader::TextureLoader(File& file, Scene& scene)
 int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     const tinygltf::Texture& source = file_.at(file_.model.textures, index, owner, "texture");
     const std::string where = fmt::format("texture {}", index);
-    if (source.source < 0) {
+    const int own_image = imageOf(file_, source, where);
+    if (own_image < 0) {
         file_.notes.add(source.extensions.empty()
                             ? fmt::format("{} has no image: materials shown without it", where)
                             : fmt::format("{}: its image format ({}) is not supported: materials "
-                                          "shown without it; use PNG or JPEG",
+                                          "shown without it; use PNG, JPEG or WebP",
                                           where, oneLine(source.extensions.begin()->first)));
         return -1;
     }
-    file_.at(file_.images, source.source, where, "image");
-    const auto [image, is_new] = images_.try_emplace(source.source, -1);
+    file_.at(file_.images, own_image, where, "image");
+    const auto [image, is_new] = images_.try_emplace(own_image, -1);
     if (is_new) {
-        if (auto loaded = loadImage(file_, source.source, "materials shown without it")) {
+        if (auto loaded = loadImage(file_, own_image, "materials shown without it")) {
             while (std::max(loaded->width, loaded->height) > largest_side_) {
                 loaded = halved(*loaded, srgb);
             }

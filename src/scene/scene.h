@@ -68,6 +68,12 @@ struct Scene {
     std::vector<Feature> features;
     std::vector<std::string> warnings;  ///< one line each: what the loader had to leave out or mend
 
+    /// What nodes show, by the names of these or of their meshes.
+    struct Object {
+        uint32_t first_triangle;  ///< up to the next one's
+        std::string name;         ///< "node 3" where the file has none
+    };
+    std::vector<Object> objects;
     /// Where in the file triangles come from, by LoadParams::sources; else empty.
     struct Source {
         uint32_t first_triangle;  ///< up to the next one's

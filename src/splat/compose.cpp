@@ -160,6 +160,13 @@ ComposeCounts blendEdges(const Edges& edges, const LitReceivers& pixels, const L
             }
         },
         kGrain);
+    for (size_t k = 0; k < edges.pixels.size(); ++k) {
+        const EdgePixel& mean = edges.pixels[k];
+        for (size_t s = mean.first_seen; s < edges.endOfSeen(k); ++s) {
+            frame.fragments.push_back({static_cast<uint32_t>(mean.pixel), edges.seen[s].triangle,
+                                       edges.seen[s].coverage});
+        }
+    }
     return {.nonfinite = nonfinite};
 }
 

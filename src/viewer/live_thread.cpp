@@ -58,6 +58,20 @@ float greatestFinite(const Image<float>& values) {
     return greatest > 0.0f ? greatest : 1.0f;
 }
 
+// White: a tenth of the mean of the indirect light, or more. Black before it is known.
+Image<vec3> errorOf(const Frame& frame) {
+    constexpr float kWhite = 0.1f;
+    float sum = 0.0f;
+    for (const vec3& light : frame.indirect.pixels) {
+        sum += luminance(light);
+    }
+    const auto count = static_cast<float>(std::max<size_t>(frame.indirect.pixels.size(), 1));
+    if (frame.error.empty() || !(sum > 0.0f)) {
+        return {frame.width(), frame.height()};
+    }
+    return grey(frame.error, kWhite * sum / count);
+}
+
 // Channels that are no light, as display values.
 Image<vec3> channelOf(const LiveImage& image, Channel channel) {
     const Frame& frame = image.frame();
@@ -77,6 +91,8 @@ Image<vec3> channelOf(const LiveImage& image, Channel channel) {
             return grey(frame.roughness, 1.0f);
         case Channel::kWeight:
             return grey(frame.weight, greatestFinite(frame.weight));
+        case Channel::kError:
+            return errorOf(frame);
         case Channel::kOrder:
             return grey(image.orders(), static_cast<float>(shared::SH_MAX_ORDER));
         case Channel::kImage:
@@ -130,10 +146,10 @@ LiveThread::~LiveThread() {
     thread_.join();
 }
 
-void LiveThread::post(std::function<void(LiveImage&)> job, int key) {
+void LiveThread::post(std::function<void(LiveImage&)> job, JobKey key) {
     {
         const std::lock_guard<std::mutex> lock(mutex_);
-        if (key > 0) {
+        if (key != kNoKey) {
             std::erase_if(jobs_, [key](const Job& other) { return other.key == key; });
         }
         jobs_.push_back({std::move(job), key});
@@ -153,6 +169,21 @@ void LiveThread::display(const DisplaySettings& settings) {
         idle_ = false;
     }
     wake_.notify_all();
+}
+
+void LiveThread::pick(const vec2& place) {
+    post(
+        [this, place](LiveImage& image) {
+            std::optional<PixelParts> parts = image.partsAt(place);
+            const std::lock_guard<std::mutex> lock(mutex_);
+            picked_ = parts ? std::make_shared<const PixelParts>(std::move(*parts)) : nullptr;
+        },
+        kPickJob);
+}
+
+std::shared_ptr<const PixelParts> LiveThread::picked() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return picked_;
 }
 
 std::shared_ptr<const Shown> LiveThread::shown() const {
@@ -246,10 +277,9 @@ bool LiveThread::show(const DisplaySettings& settings) {
             exposed_ = true;
         }
         shown->exposure = settings.exposure.value_or(exposure_);
-        shown->pixels = displayImage(seen_, shown->exposure, settings.tone);
+        shown->pixels = displayImage(seen_, shown->exposure, toSrgb(settings.tone));
     }
     shown->complete = shown->progress.complete && arrived;
-    shown->lit = shown->progress.records > 0;
     shown->at = timer_.seconds();
     const std::lock_guard<std::mutex> lock(mutex_);
     shown_ = std::move(shown);

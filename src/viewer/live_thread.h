@@ -26,6 +26,7 @@ enum class Channel {
     kDepth,
     kRoughness,
     kWeight,
+    kError,
     kOrder
 };
 
@@ -45,12 +46,14 @@ struct Shown {
     LiveProgress progress;
     Camera camera;
     float exposure = 0.0f;  ///< stops that it was shown with
-    bool lit = false;       ///< by some indirect light
     bool complete = false;  ///< LiveProgress::complete, and faded in
     std::vector<LiveMark> marks;
     double at = 0.0;  ///< seconds since the thread began
     int number = 0;   ///< of the steps
 };
+
+/// Jobs that replace each other (LiveThread::post()).
+enum JobKey { kNoKey = 0, kCameraJob, kParamsJob, kLightsJob, kMaterialsJob, kPickJob };
 
 class LiveThread {
   public:
@@ -60,10 +63,15 @@ class LiveThread {
     LiveThread(const LiveThread&) = delete;
     LiveThread& operator=(const LiveThread&) = delete;
 
-    /// Runs a job between two steps; of those not yet run that replace each other (the same key,
-    /// above 0) the last one alone. An Error that it throws is kept for error().
-    void post(std::function<void(LiveImage&)> job, int key = 0);
+    /// Runs a job between two steps; of those not yet run of the same key, other than kNoKey, the
+    /// last one alone. An Error that it throws is kept for error().
+    void post(std::function<void(LiveImage&)> job, JobKey key = kNoKey);
     void display(const DisplaySettings& settings);
+
+    /// Asks what a place's light is made of (LiveImage::partsAt()), for picked().
+    void pick(const vec2& place);
+    /// What was asked for last; null before the first, and where there is no image.
+    std::shared_ptr<const PixelParts> picked() const;
 
     /// The newest; null before the first.
     std::shared_ptr<const Shown> shown() const;
@@ -75,7 +83,7 @@ class LiveThread {
   private:
     struct Job {
         std::function<void(LiveImage&)> run;
-        int key;
+        JobKey key;
     };
     void work();
     void runJobs(std::vector<Job> jobs);
@@ -90,6 +98,7 @@ class LiveThread {
     DisplaySettings settings_;
     bool redisplay_ = false, stopping_ = false, idle_ = false;
     std::shared_ptr<const Shown> shown_;
+    std::shared_ptr<const PixelParts> picked_;
     std::string error_;
     // The thread's own.
     Image<vec3> seen_;  // as it is shown: follows the image in small steps

@@ -28,6 +28,7 @@ constexpr ChannelName kChannels[] = {{Channel::kImage, "image"},
                                      {Channel::kDepth, "depth"},
                                      {Channel::kRoughness, "roughness"},
                                      {Channel::kWeight, "records: weight"},
+                                     {Channel::kError, "expected error"},
                                      {Channel::kOrder, "SH order"}};
 
 // A combo box over numbers with names; whether another was chosen.
@@ -168,7 +169,7 @@ void shortcutsWindow(bool& open) {
     }
     ImGui::Begin("Shortcuts", &open, ImGuiWindowFlags_AlwaysAutoResize);
     for (const auto& [key, what] : std::initializer_list<std::pair<const char*, const char*>>{
-             {"left button", "turn about what is looked at"},
+             {"left button", "turn about what is looked at; a click: what a pixel is made of"},
              {"right button", "look around"},
              {"middle button", "move along the image"},
              {"wheel", "come nearer, go away"},

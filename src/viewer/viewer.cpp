@@ -17,7 +17,9 @@
 #include "image/exr.h"
 #include "image/png.h"
 #include "raster/gbuffer.h"
+#include "viewer/benchmark.h"
 #include "viewer/panels.h"
+#include "viewer/pixel_panel.h"
 #include "viewer/window.h"
 
 namespace sheen {
@@ -26,68 +28,6 @@ namespace {
 constexpr double kStepSeconds = 1.0 / 30.0;
 // How long the window waits for a hand, or a new image; the longer where none is being made.
 constexpr double kWait = 1.0 / 60.0, kIdleWait = 0.2;
-
-// Jobs that replace each other (LiveThread::post()).
-enum JobKey { kCameraJob = 1, kParamsJob, kLightsJob, kMaterialsJob };
-
-// The camera of frame i of `count` of the benchmark: a curve about what is looked at.
-Camera onPath(CameraControl control, int i, int count) {
-    const float t = 2.0f * kPi * static_cast<float>(i) / static_cast<float>(count);
-    control.orbit(0.4f * std::sin(t), 0.1f * std::sin(2.0f * t));
-    return control.camera();
-}
-
-// Flies and measures: first the image as it stands, then the path twice.
-class Benchmark {
-  public:
-    Benchmark(int frames, const CameraControl& start) : frames_(frames), start_(start) {}
-
-    /// To be called once for each new image; whether it is over.
-    bool follow(const Shown& shown, LiveThread& live) {
-        if (figures_.seconds_to_first == 0.0 && shown.lit) {
-            figures_.seconds_to_first = shown.at;
-        }
-        figures_.records = std::max(figures_.records, shown.progress.records);
-        if (phase_ == 0) {
-            if (!shown.complete) {
-                return false;
-            }
-            figures_.seconds_to_full = shown.at;
-            begin(shown, live);
-            return false;
-        }
-        if (++frame_ <= frames_) {
-            go(live);
-            return false;
-        }
-        (phase_ == 1 ? figures_.fps_fill : figures_.fps_full) =
-            static_cast<double>(frames_) / std::max(shown.at - began_, 1e-9);
-        if (phase_ == 2) {
-            return true;
-        }
-        begin(shown, live);
-        return false;
-    }
-    const ViewerFigures& figures() const { return figures_; }
-
-  private:
-    void begin(const Shown& shown, LiveThread& live) {
-        ++phase_;
-        frame_ = 1;
-        began_ = shown.at;
-        go(live);
-    }
-    void go(LiveThread& live) const {
-        const Camera camera = onPath(start_, frame_, frames_);
-        live.post([camera](LiveImage& image) { image.look(camera); }, kCameraJob);
-    }
-
-    const int frames_;
-    const CameraControl start_;
-    ViewerFigures figures_;
-    int phase_ = 0, frame_ = 0;
-    double began_ = 0.0;
-};
 
 bool hasExtension(const std::string& path, const std::string& extension) {
     std::string own = std::filesystem::path(path).extension().string();
@@ -242,7 +182,7 @@ class Viewer {
                 const LoadedExr exr = readExr(path);
                 hold(displayImage(colorLayer(exr, "beauty"),
                                   shown_ ? std::optional(shown_->exposure) : std::nullopt,
-                                  opened_->state.display.tone));
+                                  toSrgb(opened_->state.display.tone)));
                 tell(fmt::format("{}: held to compare with; B shows it", path));
             } else {
                 open(path);
@@ -320,6 +260,8 @@ class Viewer {
             const ImVec2 size = ImGui::GetIO().DisplaySize;
             drawMarks(*shown_, {size.x, size.y});
         }
+        pixel_panel_.draw(opened_->live->picked(), shown_ ? shown_->exposure : 0.0f,
+                          state.display.tone);
         const Wishes wishes = drawPanels(state, fresh ? shown_.get() : nullptr, shown_.get(),
                                          opened_->control.yFov());
         apply(wishes);
@@ -450,17 +392,27 @@ class Viewer {
         constexpr float kTurn = 0.005f;  // radians a unit of the window
         constexpr float kNearer = 0.9f;  // a notch of the wheel
         const vec2 moved(io.MouseDelta.x, io.MouseDelta.y);
+        // Not by the way to where the button went down.
+        const auto dragged = [&](ImGuiMouseButton button) {
+            return io.MouseDownDuration[button] > 0.0f && moved != vec2(0.0f);
+        };
         CameraControl& control = opened_->control;
         bool changed = false;
-        if (ImGui::IsMouseDown(ImGuiMouseButton_Left) && moved != vec2(0.0f)) {
+        constexpr float kStill = 4.0f;  // of a click, squared, units of the window
+        if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) &&
+            io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left] < kStill) {
+            opened_->live->pick(vec2(io.MousePos.x, io.MousePos.y) /
+                                vec2(io.DisplaySize.x, io.DisplaySize.y));
+        }
+        if (dragged(ImGuiMouseButton_Left)) {
             control.orbit(kTurn * moved.x, -kTurn * moved.y);
             changed = true;
         }
-        if (ImGui::IsMouseDown(ImGuiMouseButton_Right) && moved != vec2(0.0f)) {
+        if (dragged(ImGuiMouseButton_Right)) {
             control.turn(kTurn * moved.x, -kTurn * moved.y);
             changed = true;
         }
-        if (ImGui::IsMouseDown(ImGuiMouseButton_Middle) && moved != vec2(0.0f)) {
+        if (dragged(ImGuiMouseButton_Middle)) {
             const float unit =
                 2.0f * std::tan(0.5f * control.yFov()) / std::max(io.DisplaySize.y, 1.0f);
             const float way = unit * glm::length(control.target() - control.eye());
@@ -504,6 +456,7 @@ class Viewer {
     std::optional<Image<Rgb8>> held_;
     bool showing_held_ = false, screenshot_taken_ = false, entitled_complete_ = false;
     std::optional<Benchmark> benchmark_;
+    PixelPanel pixel_panel_;
 };
 
 }  // namespace

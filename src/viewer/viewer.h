@@ -29,6 +29,7 @@ struct ViewerFigures {
     double fps_full = 0;  ///< along it again
     double seconds_gbuffer = 0;  ///< of one G-buffer of 512 x 512, the machine's yardstick
     int records = 0;             ///< kept at the end
+    StageSeconds stages;         ///< of the steps along it again, their means
 };
 
 /// Opens the window and returns when it is closed; figures where there was a benchmark. Input error
