@@ -70,7 +70,7 @@ bool isWorse(const Row& a, const Row& b) {
     return rank(a) > rank(b);
 }
 
-std::string escaped(const std::string& text) {
+std::string htmlText(const std::string& text) {
     std::string result;
     for (const char c : text) {
         switch (c) {
@@ -91,14 +91,14 @@ std::string escaped(const std::string& text) {
 }
 
 std::string picture(const std::string& png, const std::string& alt) {
-    return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", escaped(alt),
+    return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", htmlText(alt),
                        base64(png));
 }
 
 std::string htmlOf(const Row& row) {
-    std::string html = fmt::format("<section><h2>{}</h2>\n", escaped(row.name));
+    std::string html = fmt::format("<section><h2>{}</h2>\n", htmlText(row.name));
     if (!row.reason.empty()) {
-        html += fmt::format("<p class=\"reason\">{}</p>\n", escaped(row.reason));
+        html += fmt::format("<p class=\"reason\">{}</p>\n", htmlText(row.reason));
     }
     if (!row.image.empty()) {
         const Comparison& c = row.comparison;
@@ -136,7 +136,7 @@ std::string pageOf(const std::vector<Row>& rows, const std::string& tests,
     std::string html = fmt::format(
         "{}<h1>{} by {}</h1>\n<p>Layer {}, {} images, the worst "
         "first.</p>\n",
-        kHead, escaped(tests), escaped(references), layer, rows.size());
+        kHead, htmlText(tests), htmlText(references), layer, rows.size());
     for (const Row& row : rows) {
         html += htmlOf(row);
     }
