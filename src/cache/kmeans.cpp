@@ -1,6 +1,7 @@
 #include "cache/kmeans.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "cache/receiver_clusters.h"
 #include "cache/scan.h"

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 #include <map>
 #include <nanoflann.hpp>
+#include <utility>
 
 #include "core/parallel.h"
 #include "rays/jitter.h"

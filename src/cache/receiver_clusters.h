@@ -36,7 +36,7 @@ class ClusterMetric {
 
 /// Members of one order, and the site for all of them.
 struct ReceiverCluster {
-    vec3 position{};                ///< mean of the members'
+    vec3 position{};                ///< where k-means ended: about the members' mean
     vec3 normal{};                  ///< likewise, unit
     size_t site = 0;                ///< the member of the smallest error, a receiver
     std::vector<uint32_t> members;  ///< receivers, in order
