@@ -112,7 +112,7 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
 // A configuration whose one view doubles what is linear.
 TEST_F(CliTest, renderShowsByAViewOfAConfiguration) {
     std::ofstream(file("double.ocio"))
-        << "ocio_profile_version: 2\nroles: {scene_linear: lin}\n"
+        << "ocio_profile_version: 2\nroles: {default: lin, scene_linear: lin}\n"
            "displays:\n  screen:\n    - !<View> {name: doubled, colorspace: twice}\n"
            "colorspaces:\n  - !<ColorSpace> {name: lin}\n"
            "  - !<ColorSpace> {name: twice, from_scene_reference: "
