@@ -125,7 +125,7 @@ std::string FrameMaker::makeOne(const std::string& unit) {
     sayNewWarnings();
     options_.output = files_.names(frame);
     fixExposure(result.frame);
-    write(options_.output, result.frame);
+    write(result);
     if (renderer_.change() != SceneChange::kNothing) {
         warnOf(options_, scene_.scene(), result, options_.params.time_limit);
     }
@@ -154,11 +154,11 @@ void FrameMaker::fixExposure(const Frame& frame) {
     }
 }
 
-void FrameMaker::write(const std::string& path, const Frame& frame) const {
+void FrameMaker::write(const RenderResult& result) const {
     if (files_.kind == FileKind::kPng) {
-        writePng(path, frame, sequence_.exposure, options_.to_display);
+        writePng(options_.output, result.frame, sequence_.exposure, options_.to_display);
     } else {
-        writeExr(path, frame, options_.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
+        writeFrameExr(options_, scene_.scene(), result);
     }
 }
 

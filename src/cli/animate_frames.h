@@ -38,7 +38,7 @@ class FrameMaker {
     std::string makeOne(const std::string& unit);
     std::string unitOf(int frame) const;
     void fixExposure(const Frame& frame);
-    void write(const std::string& path, const Frame& frame) const;
+    void write(const RenderResult& result) const;
     void sayNewWarnings();
 
     RenderOptions options_;  // `output`: the frame that is made

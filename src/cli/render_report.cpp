@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "cli/mattes.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "render/black_frame.h"
@@ -138,6 +139,12 @@ ExrNotes notesOf(const RenderOptions& o, const RenderStats& stats) {
         add("sheen.spp", stats.spp);
     }
     return notes;
+}
+
+void writeFrameExr(const RenderOptions& o, const Scene& scene, const RenderResult& result) {
+    const bool all = o.params.all_layers;
+    writeExr(o.output, result.frame, all ? ExrLayers::kAll : ExrLayers::kBasic,
+             notesOf(o, result.stats), all ? mattesOf(scene, result.frame) : std::vector<Matte>());
 }
 
 void printStats(const RenderOptions& o, const RenderStats& stats) {
