@@ -203,6 +203,25 @@ TEST_F(CliTest, renderReusesAFileOfRecordsAndRefusesAStaleOne) {
     EXPECT_EQ(call("render scene.gltf --method reference --cache b.records").code, 2);
 }
 
+TEST_F(CliTest, recordsOfClustersAreCounted) {
+    const char* const render = "render scene.gltf --size 64x48 -o a.exr --json - --placement";
+    const auto stats = [&](const std::string& options) {
+        const Outcome run = call(fmt::format("{} {}", render, options));
+        EXPECT_EQ(run.code, 0) << run.err;
+        return Json::parse(run.out);
+    };
+    EXPECT_EQ(stats("scan")["records_of_clusters"], 0);
+    const Json json = stats("kmeans");
+    EXPECT_EQ(json["pixels_uncovered"], 0);
+    EXPECT_GT(json["records_of_clusters"], 0);
+    EXPECT_LT(json["records_of_clusters"], json["records"]);
+    const std::string image = textOf(file("a.exr"));
+    stats("kmeans --threads 1");
+    EXPECT_TRUE(textOf(file("a.exr")) == image);
+    const Outcome run = call("render scene.gltf --size 64x48 -o a.exr --placement kmeans");
+    EXPECT_NE(run.out.find(" of clusters); pixels without one: 0"), std::string::npos) << run.out;
+}
+
 TEST_F(CliTest, edgesAreSmoothByDefaultWhereTheMethodHasThat) {
     const auto samples = [this](const std::string& options) {
         const Outcome run = call("render scene.gltf --size 16x12 -o a.exr --json - " + options);

@@ -78,6 +78,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"threads", threadCount()},
                  {"output", o.output},
                  {"records", stats.records},
+                 {"records_of_clusters", stats.records_of_clusters},
                  {"records_reused", stats.records_reused},
                  {"records_renewed", stats.records_renewed},
                  {"seconds", seconds},
@@ -162,7 +163,11 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
         fmt::print("hints     {}, of {} samples of lit surfaces; pixels that see none: {} of {}\n",
                    stats.hints, stats.lit_samples, stats.pixels_uncovered, stats.pixels_geometry);
     } else {
-        fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
+        const std::string of_clusters =
+            o.params.placement.sites == SitesBy::kKMeans
+                ? fmt::format(" ({} of clusters)", stats.records_of_clusters)
+                : "";
+        fmt::print("records   {}{}; pixels without one: {} of {}\n", stats.records, of_clusters,
                    stats.pixels_uncovered, stats.pixels_geometry);
     }
     if (usesCache(o.params.method)) {
