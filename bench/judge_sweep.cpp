@@ -29,6 +29,13 @@ const std::map<std::string, Setter> kSetters = {
      [](RenderParams& p, float v) {
          p.placement.control = v > 0 ? ErrorControl::kSplitSphere : ErrorControl::kHessian;
      }},
+    {"kmeans", [](RenderParams& p,
+                  float v) { p.placement.sites = v > 0 ? SitesBy::kKMeans : SitesBy::kScan; }},
+    {"clusters", [](RenderParams& p, float v) { p.placement.clusters = static_cast<int>(v); }},
+    {"harmonic",
+     [](RenderParams& p, float v) {
+         p.placement.control = v > 0 ? ErrorControl::kHarmonic : ErrorControl::kHessian;
+     }},
     {"curvature", [](RenderParams& p, float v) { p.placement.curvature = v; }},
     {"overlap", [](RenderParams& p, float v) { p.placement.overlap = v; }},
     {"max_pixels", [](RenderParams& p, float v) { p.placement.max_pixels = v; }},

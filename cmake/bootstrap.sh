@@ -8,10 +8,10 @@ packages=(
     libjs-chart.js
 )
 # What CMake asks for where tests and benchmarks are built too.
-test_build_packages=(libgtest-dev libbenchmark-dev pybind11-dev python3-dev)
+test_build_packages=(libgtest-dev libbenchmark-dev pybind11-dev python3-dev libopenmpi-dev)
 # What only ./check needs: the browser that opens the chart's report, plots of the benchmarks, a window
-# system's server, arrays of the Python module.
-test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-xlib python3-pil python3-numpy)
+# system's server, arrays of the Python module, what starts ranks.
+test_packages=(chromium chromium-driver python3-selenium gnuplot-nox xvfb xdotool python3-xlib python3-pil python3-numpy openmpi-bin)
 build="$root/build/release"
 log="$root/build/build.log"
 
@@ -65,7 +65,7 @@ configure_and_build() {
     fi
     if [[ ! -e $build/build.ninja || ${#fresh[@]} -gt 0 ]] ||
         { [[ $tests == ON ]] && grep -qxF "SHEEN_TESTS:BOOL=OFF" "$cache"; }; then
-        cmake --preset release "${fresh[@]}" -DSHEEN_TESTS=$tests -DSHEEN_PYTHON=$tests
+        cmake --preset release "${fresh[@]}" -DSHEEN_TESTS=$tests -DSHEEN_PYTHON=$tests -DSHEEN_MPI=$tests
     fi
     cmake --build "$build" --target "$1"
 }

@@ -50,11 +50,16 @@ if(SHEEN_PYTHON)
             COMPONENT python3-sheen)
 endif()
 
-# A package of its own, so that the program brings no window system.
+# Packages of their own, so that the program brings no window system and no MPI.
 set(sheen_components sheen libsheen libsheen-dev)
 if(SHEEN_VIEWER)
     install(TARGETS sheen-viewer COMPONENT sheen-viewer)
     list(APPEND sheen_components sheen-viewer)
+endif()
+if(SHEEN_MPI)
+    install(TARGETS sheen-mpi COMPONENT sheen-mpi)
+    install(FILES docs/clusters.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/sheen-mpi COMPONENT sheen-mpi)
+    list(APPEND sheen_components sheen-mpi)
 endif()
 if(SHEEN_PYTHON)
     list(APPEND sheen_components python3-sheen)
@@ -100,6 +105,10 @@ sheen_package(sheen graphics "" "The program: renders, bakes and compares from t
 sheen_package(libsheen libs "" "The library, as programs that use it need it.")
 sheen_package(libsheen-dev libdevel "${same}" "Headers for C and C++, CMake and pkg-config files, examples.")
 sheen_package(sheen-viewer graphics "sheen (= ${PROJECT_VERSION})" "The window that `sheen view` opens.")
+if(SHEEN_MPI)
+    sheen_package(sheen-mpi graphics "sheen (= ${PROJECT_VERSION}), openmpi-bin"
+                  "What `sheen` becomes under mpirun: work shared out over many machines.")
+endif()
 if(SHEEN_PYTHON)
     math(EXPR next "${Python3_VERSION_MINOR} + 1")
     sheen_package(

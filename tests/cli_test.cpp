@@ -81,6 +81,7 @@ TEST_F(CliTest, optionsOutOfRange) {
                                "--sh-order 11",
                                "--sh-order best",
                                "--gather sphere",
+                               "--placement some",
                                "--gather-size 7",
                                "--gather-size 513",
                                "--gather-size 64.5",
@@ -125,8 +126,9 @@ TEST_F(CliTest, optionsOutOfRange) {
 }
 
 TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
-    for (const char* option : {"--accuracy 0.1", "--target-error 0.02", "--time-limit 2",
-                               "--gather plane", "--gather-size 32", "--spp 16", "--seed 1"}) {
+    for (const char* option :
+         {"--accuracy 0.1", "--target-error 0.02", "--time-limit 2", "--gather plane",
+          "--gather-size 32", "--spp 16", "--seed 1", "--placement scan"}) {
         expectError(fmt::format("render scene.gltf --method hints {}", option), ExitCode::kUsage,
                     "not an option of --method hints");
     }
@@ -142,14 +144,14 @@ TEST_F(CliTest, optionsTheMethodDoesNotSupport) {
     for (const char* method : {"reference", "denoised"}) {
         for (const char* option :
              {"--accuracy 0.1", "--target-error 0.02", "--time-limit 2", "--sh-order 4",
-              "--gather plane", "--gather-size 32", "--gather-extent 2"}) {
+              "--gather plane", "--gather-size 32", "--gather-extent 2", "--placement kmeans"}) {
             expectError(fmt::format("render scene.gltf --method {} {}", method, option),
                         ExitCode::kUsage, fmt::format("not an option of --method {}", method));
         }
     }
     for (const char* option :
          {"--spp 16", "--seed 1", "--target-error 0.02", "--bounces 2", "--caustics 1000",
-          "--sh-order 4", "--gather plane", "--gather-extent 2"}) {
+          "--sh-order 4", "--gather plane", "--gather-extent 2", "--placement kmeans"}) {
         expectError(fmt::format("render scene.gltf --method octree {}", option), ExitCode::kUsage,
                     "--method octree");
     }

@@ -72,10 +72,14 @@ class CliTest : public testing::Test {
 
     // Runs the program in the test's folder; `arguments` is shell text.
     Outcome call(const std::string& arguments) const {
-        const std::string command =
-            fmt::format("cd '{}' && >'{}/out' 2>'{}/err' </dev/null '{}' {}", folder_.string(),
-                        base_.path().string(), base_.path().string(), SHEEN_PROGRAM, arguments);
-        const int status = std::system(command.c_str());
+        return callShell(fmt::format("'{}' {}", SHEEN_PROGRAM, arguments));
+    }
+
+    Outcome callShell(const std::string& command) const {
+        const std::string whole =
+            fmt::format("cd '{}' && >'{}/out' 2>'{}/err' </dev/null {}", folder_.string(),
+                        base_.path().string(), base_.path().string(), command);
+        const int status = std::system(whole.c_str());
         Outcome run;
         run.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
         run.out = textOf(base_.path() / "out");

@@ -112,7 +112,7 @@ TEST_F(CliTest, renderJsonHoldsEveryFigure) {
 // A configuration whose one view doubles what is linear.
 TEST_F(CliTest, renderShowsByAViewOfAConfiguration) {
     std::ofstream(file("double.ocio"))
-        << "ocio_profile_version: 2\nroles: {scene_linear: lin}\n"
+        << "ocio_profile_version: 2\nroles: {default: lin, scene_linear: lin}\n"
            "displays:\n  screen:\n    - !<View> {name: doubled, colorspace: twice}\n"
            "colorspaces:\n  - !<ColorSpace> {name: lin}\n"
            "  - !<ColorSpace> {name: twice, from_scene_reference: "
@@ -126,9 +126,14 @@ TEST_F(CliTest, renderShowsByAViewOfAConfiguration) {
     const std::string bytes((std::istreambuf_iterator<char>(png)), {});
     const DecodedImage shown =
         decodeImage({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
-    const Image<vec3> beauty = colorLayer(readExr(file("a.exr")), "beauty");
+    const LoadedExr exr = readExr(file("a.exr"));
+    const Image<vec3>& beauty = colorLayer(exr, "beauty");
     int lit = 0;
     for (size_t i = 0; i < beauty.pixels.size(); ++i) {
+        const float alpha = exr.scalars.at("A").pixels[i];
+        if (alpha < 1.0f) {
+            continue;  // there a PNG has the colour of what covers the pixel
+        }
         const float expected = std::min(2.0f * beauty.pixels[i].x, 1.0f);
         EXPECT_NEAR(static_cast<float>(shown.rgba[4 * i]) / 65535.0f, expected, 1.0f / 255.0f);
         lit += expected > 0.1f ? 1 : 0;
@@ -196,6 +201,25 @@ TEST_F(CliTest, renderReusesAFileOfRecordsAndRefusesAStaleOne) {
     EXPECT_EQ(stale.code, 3);
     EXPECT_NE(stale.err.find("before it changed"), std::string::npos) << stale.err;
     EXPECT_EQ(call("render scene.gltf --method reference --cache b.records").code, 2);
+}
+
+TEST_F(CliTest, recordsOfClustersAreCounted) {
+    const char* const render = "render scene.gltf --size 64x48 -o a.exr --json - --placement";
+    const auto stats = [&](const std::string& options) {
+        const Outcome run = call(fmt::format("{} {}", render, options));
+        EXPECT_EQ(run.code, 0) << run.err;
+        return Json::parse(run.out);
+    };
+    EXPECT_EQ(stats("scan")["records_of_clusters"], 0);
+    const Json json = stats("kmeans");
+    EXPECT_EQ(json["pixels_uncovered"], 0);
+    EXPECT_GT(json["records_of_clusters"], 0);
+    EXPECT_LT(json["records_of_clusters"], json["records"]);
+    const std::string image = textOf(file("a.exr"));
+    stats("kmeans --threads 1");
+    EXPECT_TRUE(textOf(file("a.exr")) == image);
+    const Outcome run = call("render scene.gltf --size 64x48 -o a.exr --placement kmeans");
+    EXPECT_NE(run.out.find(" of clusters); pixels without one: 0"), std::string::npos) << run.out;
 }
 
 TEST_F(CliTest, edgesAreSmoothByDefaultWhereTheMethodHasThat) {

@@ -9,6 +9,7 @@
 #include "core/progress.h"
 #include "core/timer.h"
 #include "gather/ray_gather.h"
+#include "gather/shared_gather.h"
 #include "light/direct.h"
 #include "light/place_elements.h"
 #include "light/scattered_again.h"
@@ -152,7 +153,8 @@ void bakeByPaths(const Tracer& tracer, const Lightmap& map, const BakeParams& pa
 
 }  // namespace
 
-Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakeParams& params) {
+Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakeParams& params,
+                  const RankedJob& job) {
     const Scene& scene = tracer.scene();
     Baked baked;
     const Timer made;
@@ -164,30 +166,45 @@ Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakePa
                       params.bounces);
     }
     baked.stats.seconds_lights = made.seconds();
-    if (!params.indirect_only) {
+    if (!params.indirect_only && job.first()) {
         const Timer direct;
         baked.frame.direct = directIrradiance(tracer, lights, receivers);
         baked.stats.seconds_direct = direct.seconds();
     }
     const OutgoingLight& outgoing = again ? static_cast<const OutgoingLight&>(*again) : once;
-    RayGatherer gatherer(outgoing, {.size = gatherSize(GatherRoad::kRays, params.accuracy)});
+    RayGatherer own(outgoing, {.size = gatherSize(GatherRoad::kRays, params.accuracy)});
+    if (!job.first()) {
+        serveGather(own, job);
+        return baked;
+    }
+    SharedGatherer shared(own, job);
+    Gatherer& gatherer = job.isShared() ? static_cast<Gatherer&>(shared) : own;
     baked.frame.indirect = params.method == BakeMethod::kRecords
                                ? byRecords(scene, receivers, params, gatherer, baked.stats)
                                : byTexels(scene, receivers, params, gatherer, baked.stats);
     return baked;
 }
 
-Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params) {
+Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
+           const RankedJob& job) {
     const int size = map.atlas.size;
     Baked baked;
     switch (params.method) {
         case BakeMethod::kRecords:
         case BakeMethod::kTexels:
-            baked = gatherLight(tracer, map.receivers, params);
+            baked = gatherLight(tracer, map.receivers, params, job);
             break;
         case BakeMethod::kReference:
+            if (job.isShared()) {
+                throwUsage(
+                    "--method reference: where its paths go they learn from those of all texels, "
+                    "which cannot be shared out; run it without mpirun");
+            }
             bakeByPaths(tracer, map, params, baked);
             break;
+    }
+    if (!job.first()) {
+        return baked;
     }
     baked.frame.primitive = map.triangles;
     baked.frame.coverage = Image<float>(size, size);

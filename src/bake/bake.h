@@ -5,6 +5,7 @@
 
 #include "bake/lightmap.h"
 #include "core/bounces.h"
+#include "core/ranks.h"
 #include "image/frame.h"
 
 namespace sheen {
@@ -42,10 +43,14 @@ struct Baked {
 };
 
 /// The light of receivers of a lightmap's kind (texels.h), by records or at each: the layers
-/// direct, unless only the indirect is asked for, and indirect.
-Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakeParams& params);
+/// direct, unless only the indirect is asked for, and indirect. Of a shared job the first rank has
+/// them, and the others, who gather for it, nothing.
+Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakeParams& params,
+                  const RankedJob& job = {});
 
-/// Usage error for what the reference has none of. The same bits for any number of threads.
-Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params);
+/// Usage error for what the reference has none of, and for a reference of several ranks. The same
+/// bits for any number of threads and ranks, of which the first has the result.
+Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
+           const RankedJob& job = {});
 
 }  // namespace sheen

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cache/kmeans.h"
 #include "cache/scan.h"
 #include "core/error.h"
 #include "core/timer.h"
@@ -79,8 +80,14 @@ Placement placeRecords(const Scene& scene, const Receivers& receivers,
     const Timer timer;
     const bool anew = field.records.empty();
     PlacedRecords placed(scene, receivers, params, field);
-    Scan scan(receivers, params, anew, quiet);
-    fill(scene, placed, scan, gatherer, field, seconds - timer.seconds());
+    if (params.sites == SitesBy::kKMeans) {
+        KMeans chooser(placed, quiet);
+        fill(scene, placed, chooser, gatherer, field, seconds - timer.seconds());
+        field.of_clusters += chooser.clusterCount();
+    } else {
+        Scan chooser(receivers, params, anew, quiet);
+        fill(scene, placed, chooser, gatherer, field, seconds - timer.seconds());
+    }
     return {.cache = placed.handOver(), .uncovered = placed.coverage().countUncovered()};
 }
 

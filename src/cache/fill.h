@@ -26,8 +26,8 @@ class SiteChooser {
     SiteChooser(const SiteChooser&) = delete;
     SiteChooser& operator=(const SiteChooser&) = delete;
 
-    /// The next sites, which are gathered together, each at a receiver that is missed; none where
-    /// no receiver is.
+    /// The next sites, which are gathered together, each at a receiver that is missed, or was when
+    /// it was chosen; none where no receiver is.
     virtual std::vector<SiteChoice> next(const PlacedRecords& placed) = 0;
 };
 
@@ -50,7 +50,7 @@ struct Placement {
                         ///< sound
 };
 
-/// Places the records of the field, then those that a scan (scan.h) finds missing, which are added
+/// Places the records of the field, then those that are missing as `params` says, which are added
 /// to it; `seconds`: as fill() has it, from the call on.
 Placement placeRecords(const Scene& scene, const Receivers& receivers,
                        const PlacementParams& params, Gatherer& gatherer, RecordField& field,

@@ -6,12 +6,18 @@
 namespace sheen {
 
 /// What a record's own hemisphere says of how far it reaches: the harmonic mean distance of what it
-/// sees, limited by the gradient [WRC88]; or the irradiance's second derivative [SJJ12].
-enum class ErrorControl { kSplitSphere, kHessian };
+/// sees, limited by the gradient [WRC88] or alone; or the irradiance's second derivative [SJJ12].
+enum class ErrorControl { kSplitSphere, kHarmonic, kHessian };
+
+/// Where records go: where a scan of the image finds them missing (scan.h), or first into clusters
+/// of receivers (kmeans.h).
+enum class SitesBy { kScan, kKMeans };
 
 struct PlacementParams {
     float accuracy = 0.4f;  ///< Ward's a
     ErrorControl control = ErrorControl::kHessian;
+    SitesBy sites = SitesBy::kScan;
+    int clusters = 0;            ///< kKMeans: of all that is seen, about; 0: by the accuracy
     float curvature = 5e-4f;     ///< kHessian, times `accuracy`: relative error at the end of a
                                  ///< record's reach times that reach in heights of the image
     float normal_weight = 4.0f;  ///< k_n of the weight function

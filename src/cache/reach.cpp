@@ -62,6 +62,8 @@ float allowedRadius(const GatheredRecord& found, const PlacementParams& params,
     switch (params.control) {
         case ErrorControl::kSplitSphere:
             return splitSphereRadius(found);
+        case ErrorControl::kHarmonic:
+            return found.record.radius;
         case ErrorControl::kHessian:
             return hessianRadius(found, params, image_height);
     }

@@ -15,8 +15,9 @@ namespace sheen {
 struct RecordField {
     std::vector<GatheredRecord> records;  ///< as gathered
     std::vector<int> pixels;              ///< that they lie at
-    size_t reused = 0;    ///< so many, the first, were gathered for other views, near the pixels
-    int gather_size = 0;  ///< that they were gathered with, or more
+    size_t reused = 0;       ///< so many, the first, were gathered for other views, near the pixels
+    size_t of_clusters = 0;  ///< so many of the others were gathered for clusters (kmeans.h)
+    int gather_size = 0;     ///< that they were gathered with, or more
 };
 
 /// Records that outlive views. What a record found does not depend on who looks, except what its

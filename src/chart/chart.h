@@ -28,7 +28,14 @@ struct ChartParams {
     int repeats = 3;           ///< warm runs of a point; no more start after kEnoughSeconds
     std::string gl;            ///< --gl of the program; empty: its default
     bool any_build = false;    ///< also use points that another build of the program completed
+    std::string only_setting =
+        {};  ///< value of the one point of each method to be measured; empty: all
+    std::string shader_cache = "shader_cache";  ///< in the folder; no other process may use it
+    bool quiet = false;                         ///< prints no progress
 };
+
+/// Who measures by these.
+ChartHost hostOf(const ChartParams& params);
 
 /// What the report puts into the chart's folder.
 constexpr const char* kReportFiles[] = {"chart.html", "chart.csv", "chart.json"};

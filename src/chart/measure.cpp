@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 
@@ -23,17 +22,6 @@ namespace fs = std::filesystem;
 
 // The path tracer's points use seed 0: the judge's noise must be independent of theirs.
 constexpr uint32_t kReferenceSeed = 1;
-
-std::string cpuName() {
-    std::ifstream in("/proc/cpuinfo");
-    for (std::string line; std::getline(in, line);) {
-        const size_t colon = line.find(": ");
-        if (line.rfind("model name", 0) == 0 && colon != std::string::npos) {
-            return line.substr(colon + 2);
-        }
-    }
-    return "unknown processor";
-}
 
 void makeFolder(const fs::path& folder) {
     std::error_code error;
@@ -76,7 +64,7 @@ class Sweep {
           root_(params.folder),
           points_(root_ / "points"),
           references_(root_ / "references"),
-          shader_cache_(root_ / "shader_cache"),
+          shader_cache_(root_ / params.shader_cache),
           scenes_(nameScenes(params.scenes)) {}
 
     Chart run() {
@@ -94,10 +82,7 @@ class Sweep {
         for (const char* file : kReportFiles) {
             checkWritable((root_ / file).string());
         }
-        host_ = {.version = params_.version,
-                 .build = fileHash(params_.program),
-                 .cpu = cpuName(),
-                 .threads = threadCount()};
+        host_ = hostOf(params_);
         std::vector<Reference> references = listReferences();
         std::vector<Task> tasks = listTasks();
         plan(references, tasks);
@@ -124,6 +109,12 @@ class Sweep {
     }
 
   private:
+    void tell(const std::string& text) const {
+        if (!params_.quiet) {
+            say(text);
+        }
+    }
+
     LoadParams loadParams() const {
         return {.camera = params_.camera, .environment = params_.environment};
     }
@@ -233,7 +224,7 @@ class Sweep {
         const ChartScene& scene = scenes_[reference.scene];
         const std::string what =
             fmt::format("{}, reference, {} paths a pixel", scene.name, reference.params.spp);
-        say(fmt::format("{} ...\n", what));
+        tell(fmt::format("{} ...\n", what));
         const Timer timer;
         const RenderResult result =
             renderFrame(loadScene(scene.file, loadParams()), reference.params);
@@ -273,7 +264,7 @@ class Sweep {
             all += jobs_.back().repeats;
         }
         if (runs > 0) {
-            say(fmt::format("{} of {} runs were measured before\n", runs, all));
+            tell(fmt::format("{} of {} runs were measured before\n", runs, all));
         }
     }
 
@@ -293,9 +284,9 @@ class Sweep {
             runs += other.runs;
             all += other.repeats;
         }
-        say(fmt::format("[{}/{}] {}: {:.2f} s{}\n", runs, all, what,
-                        point.measured.runs.back().seconds,
-                        runs == all ? "" : "; about " + timeText(secondsLeft(jobs_)) + " left"));
+        tell(fmt::format("[{}/{}] {}: {:.2f} s{}\n", runs, all, what,
+                         point.measured.runs.back().seconds,
+                         runs == all ? "" : "; about " + timeText(secondsLeft(jobs_)) + " left"));
     }
 
     std::vector<Task> listTasks() const {
@@ -303,6 +294,9 @@ class Sweep {
         for (size_t s = 0; s < scenes_.size(); ++s) {
             for (const SweepMethod& method : params_.methods) {
                 for (const SweepSetting& setting : method.settings) {
+                    if (!params_.only_setting.empty() && setting.value != params_.only_setting) {
+                        continue;
+                    }
                     Task task = {.scene = s,
                                  .method = &method,
                                  .setting = &setting,
@@ -404,8 +398,8 @@ class Sweep {
             const fs::path image = cache / "cold.exr";
             const double seconds = runPoint(task, first, image.string()).seconds;
             fs::remove(image, ignored);
-            say(fmt::format("{}, {}, cold: {:.2f} s\n", scenes_[task.scene].name,
-                            task.method->label, seconds));
+            tell(fmt::format("{}, {}, cold: {:.2f} s\n", scenes_[task.scene].name,
+                             task.method->label, seconds));
             for (Task& other : tasks) {
                 if (other.method == warmed && other.setting == &first) {
                     other.cold_seconds = seconds;
@@ -481,6 +475,13 @@ class Sweep {
 };
 
 }  // namespace
+
+ChartHost hostOf(const ChartParams& params) {
+    return {.version = params.version,
+            .build = fileHash(params.program),
+            .cpu = processorName(),
+            .threads = threadCount()};
+}
 
 Chart measureChart(const ChartParams& params) {
     SHEEN_CHECK(params.repeats > 0 && !params.scenes.empty() && !params.methods.empty());

@@ -18,6 +18,9 @@ struct ChartHost {
     int threads = 0;
 };
 
+/// This machine's model of processor.
+std::string processorName();
+
 /// Seconds by stage, in the order they ran, and last "other": start-up, exit and what no stage
 /// counts.
 using StageTimes = std::vector<std::pair<std::string, double>>;

@@ -32,6 +32,11 @@ const std::vector<SweepMethod>& sweepMethods() {
          {"--method", "radiance", "--gather", "hemicube"},
          "--accuracy",
          {{"2", 2}, {"1", 4}, {"0.4", 9}}},
+        {"kmeans",
+         "radiance cache, k-means",
+         {"--method", "radiance", "--placement", "kmeans"},
+         "--accuracy",
+         {{"2", 0.6}, {"1", 1}, {"0.4", 2.3}}},
     };
     return kMethods;
 }

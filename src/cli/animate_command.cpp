@@ -3,23 +3,14 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 
-#include "chart/point_file.h"
+#include "cli/animate_frames.h"
 #include "cli/commands.h"
 #include "cli/movie.h"
-#include "cli/render_report.h"
-#include "cli/sequence_file.h"
 #include "core/parallel.h"
-#include "core/progress.h"
 #include "core/timer.h"
-#include "image/decode.h"
-#include "image/exr.h"
-#include "image/png.h"
-#include "render/animation.h"
 
 namespace sheen::cli {
 namespace {
@@ -38,12 +29,10 @@ struct AnimateOptions {
     CLI::App* app = nullptr;
 };
 
-// Where frames go.
 struct Output {
     std::string movie = {};   // empty: images are what is wanted
     std::string ffmpeg = {};  // that makes it
-    FrameNames names = {};
-    FileKind kind = FileKind::kExr;
+    FrameFiles frames = {};
 };
 
 Output understandOutput(AnimateOptions& o) {
@@ -55,20 +44,20 @@ Output understandOutput(AnimateOptions& o) {
     if (fs::path(r.output).extension() == ".mp4") {
         output.movie = r.output;
         output.ffmpeg = findFfmpeg(r.output);
-        output.names = {.before = r.output + ".frames/", .after = ".png", .digits = 6};
-        r.output = output.names(0);
+        output.frames.names = {.before = r.output + ".frames/", .after = ".png", .digits = 6};
+        r.output = output.frames.names(0);
     } else if (!countsFrames(r.output)) {
         throwUsage("-o {}: must count frames, as in frame_%04d.exr or .png, or be a movie, .mp4",
                    r.output);
     } else {
-        output.names = parseFrameNames("-o", r.output);
+        output.frames.names = parseFrameNames("-o", r.output);
     }
-    output.kind = understand(r);
+    output.frames.kind = understand(r);
     return output;
 }
 
 // How records live; none: each frame has its own.
-std::optional<TemporalParams> temporalOf(const AnimateOptions& o) {
+std::optional<TemporalParams> temporalOf(const AnimateOptions& o, const Ranks& ranks) {
     if (o.lifespan == 0) {
         for (const CLI::Option* option : o.of_lifespans) {
             if (option->count() > 0) {
@@ -81,6 +70,12 @@ std::optional<TemporalParams> temporalOf(const AnimateOptions& o) {
     const RenderParams& params = o.render.params;
     if (!usesCache(params.method) || params.gather_road != GatherRoad::kRays) {
         throwUsage("--lifespan: only records live, of radiance and irradiance by --gather ray");
+    }
+    if (ranks.count() > 1) {
+        throwUsage(
+            "--lifespan: each frame takes records of the one before, so that frames cannot be "
+            "shared out over {} ranks; leave it out, or run without mpirun",
+            ranks.count());
     }
     TemporalParams temporal = o.temporal;
     temporal.longest = o.lifespan;
@@ -102,163 +97,29 @@ FrameRange rangeOf(const AnimateOptions& o, const AnimatedScene& scene) {
     return {0, static_cast<int>(last)};
 }
 
-// What of the options changes images, as they were given.
-std::string optionsText(const CLI::App& app) {
-    std::string text;
-    for (const CLI::Option* option : app.get_options()) {
-        const std::string name = option->get_name();
-        const bool of_images = name != "SCENE" && name != "--output" && name != "--frames" &&
-                               name != "--threads" && name != "--json";
-        if (option->count() > 0 && of_images) {
-            text += fmt::format("{}{}={}", text.empty() ? "" : " ", name,
-                                fmt::join(option->results(), ","));
-        }
-    }
-    return text;
-}
-
-SequenceKey keyOf(const AnimateOptions& o, const Scene& scene) {
-    std::string files;
-    for (const std::string& file : scene.files) {
-        files += fileHash(file);
-    }
-    return {.program = "sheen " SHEEN_VERSION, .scene = files, .options = optionsText(*o.app)};
-}
-
-// Whether a frame is there, and can be read to its end.
-bool isWhole(const std::string& path, FileKind kind) {
-    if (!fs::exists(path)) {
-        return false;
-    }
-    try {
-        if (kind == FileKind::kExr) {
-            readExr(path);
-        } else {
-            std::ifstream in(path, std::ios::binary);
-            const std::vector<char> bytes{std::istreambuf_iterator<char>(in),
-                                          std::istreambuf_iterator<char>()};
-            decodeImage({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
-        }
-        return true;
-    } catch (const std::runtime_error& error) {  // of either reader
-        warn(fmt::format("{}: rendered again: {}", path, error.what()));
-        return false;
-    }
-}
-
-struct FrameReport {
-    int frame = 0;
-    SceneChange change = SceneChange::kScene;
-    RenderStats stats;
-};
-
-const char* nameOf(SceneChange change) {
-    switch (change) {
-        case SceneChange::kNothing:
-            return "nothing";
-        case SceneChange::kCameras:
-            return "cameras";
-        case SceneChange::kScene:
-            return "scene";
-    }
-    throw std::logic_error("unknown change");
-}
-
-// Says each warning once.
-class Warnings {
-  public:
-    void sayNew(const std::vector<std::string>& warnings) {
-        for (; said_ < warnings.size(); ++said_) {
-            warn(warnings[said_]);
-        }
-    }
-
-  private:
-    size_t said_ = 0;
-};
-
-// Brightness must not change from frame to frame by itself: the first frame's is that of all.
-void fixExposure(const AnimateOptions& o, const Output& output, const Frame& frame,
-                 Sequence& sequence) {
-    if (output.kind == FileKind::kPng && !sequence.exposure) {
-        sequence.exposure = parseExposure(o.render.exposure).value_or(autoExposure(beauty(frame)));
-        writeSequence(output.names, sequence);
-    }
-}
-
-void writeFrame(const AnimateOptions& o, const Output& output, const Sequence& sequence, int number,
-                const Frame& frame) {
-    const std::string path = output.names(number);
-    if (output.kind == FileKind::kPng) {
-        writePng(path, frame, sequence.exposure, o.render.to_display);
-    } else {
-        writeExr(path, frame, o.render.params.all_layers ? ExrLayers::kAll : ExrLayers::kBasic);
-    }
-}
-
-std::vector<int> missingFrames(const Output& output, const FrameRange& frames) {
-    std::vector<int> missing;
-    for (int frame = frames.first; frame <= frames.last; ++frame) {
-        if (!isWhole(output.names(frame), output.kind)) {
-            missing.push_back(frame);
-        }
-    }
-    return missing;
-}
-
-std::vector<FrameReport> renderFrames(AnimateOptions& o, const Output& output,
-                                      const std::vector<int>& frames, AnimatedScene& scene,
-                                      Warnings& warnings, Sequence& sequence) {
-    RenderOptions& r = o.render;
-    const double limit = r.params.time_limit;
-    FrameSequence renderer(scene, r.params,
-                           {.part = r.part, .fps = o.fps, .temporal = temporalOf(o)});
-    Progress progress("frames", static_cast<int64_t>(frames.size()));
-    std::vector<FrameReport> reports;
-    for (const int frame : frames) {
-        const RenderResult& result = renderer.render(frame);
-        warnings.sayNew(scene.scene().warnings);
-        fixExposure(o, output, result.frame, sequence);
-        writeFrame(o, output, sequence, frame, result.frame);
-        if (renderer.change() != SceneChange::kNothing) {
-            r.output = output.names(frame);
-            warnOf(r, scene.scene(), result, limit);
-        }
-        reports.push_back({frame, renderer.change(), result.stats});
-        progress.advance();
-    }
-    return reports;
-}
-
-Json reportJson(const AnimateOptions& o, const Output& output, const FrameRange& frames,
-                const std::vector<FrameReport>& reports, double seconds) {
-    Json list = Json::array();
-    for (const FrameReport& report : reports) {
-        RenderOptions of_frame = o.render;
-        of_frame.output = output.names(report.frame);
-        Json json = {{"frame", report.frame}, {"changed", nameOf(report.change)}};
-        json.update(statsJson(of_frame, report.stats));
-        list.push_back(json);
-    }
+Json reportJson(const AnimateOptions& o, const FrameRange& frames, const std::vector<Json>& reports,
+                double seconds) {
     return {{"first", frames.first},
             {"last", frames.last},
             {"fps", o.fps},
             {"kept", frames.last - frames.first + 1 - static_cast<int>(reports.size())},
             {"seconds", seconds},
-            {"frames", list}};
+            {"frames", reports}};
 }
 
-void printReport(const Output& output, const FrameRange& frames,
-                 const std::vector<FrameReport>& reports, double seconds) {
+void printReport(const Output& output, const FrameRange& frames, const std::vector<Json>& reports,
+                 double seconds) {
     int same = 0, moved = 0;
     int64_t records = 0, gathered = 0;
-    for (const FrameReport& report : reports) {
-        same += report.change == SceneChange::kNothing ? 1 : 0;
-        moved += report.change == SceneChange::kCameras ? 1 : 0;
-        const RenderStats& stats = report.stats;
-        if (report.change != SceneChange::kNothing) {
-            records += stats.records;
-            gathered += stats.records - stats.records_reused + stats.records_renewed;
+    for (const Json& report : reports) {
+        const bool is_same = report.at("changed") == "nothing";
+        same += is_same ? 1 : 0;
+        moved += report.at("changed") == "cameras" ? 1 : 0;
+        if (!is_same) {
+            const auto of_frame = report.at("records").get<int64_t>();
+            records += of_frame;
+            gathered += of_frame - report.at("records_reused").get<int64_t>() +
+                        report.at("records_renewed").get<int64_t>();
         }
     }
     const int count = frames.last - frames.first + 1;
@@ -271,10 +132,10 @@ void printReport(const Output& output, const FrameRange& frames,
                    100.0 * static_cast<double>(gathered) / static_cast<double>(records));
     }
     fmt::print("seconds   {:.3f}, {:.3f} a frame made\n", seconds, made > 0 ? seconds / made : 0.0);
-    fmt::print("wrote     {}\n",
-               output.movie.empty()
-                   ? fmt::format("{} to {}", output.names(frames.first), output.names(frames.last))
-                   : output.movie);
+    const FrameNames& names = output.frames.names;
+    fmt::print("wrote     {}\n", output.movie.empty() ? fmt::format("{} to {}", names(frames.first),
+                                                                    names(frames.last))
+                                                      : output.movie);
 }
 
 void makeFolder(const FrameNames& names) {
@@ -297,37 +158,53 @@ void removeFrames(const FrameNames& names) {
     fs::remove(fs::path(names(0)).parent_path(), ignored);  // unless other files are there
 }
 
-ExitCode runAnimate(AnimateOptions& o) {
+// What is known of the sequence that is begun or continued, and written beside it.
+Sequence sequenceOf(const AnimateOptions& o, const Output& output, const FrameRange& frames,
+                    const Scene& scene, const SequenceKey& key) {
+    const FrameNames& names = output.frames.names;
+    Sequence sequence = findSequence(names, frames, key).value_or(Sequence{.key = key});
+    if (output.frames.kind == FileKind::kPng && !sequence.exposure) {
+        sequence.exposure = parseExposure(o.render.exposure);
+    }
+    makeFolder(names);
+    checkOutputs({{"-o", names(frames.first)},
+                  {"-o", sequenceFile(names)},
+                  {"-o", output.movie},
+                  {"--json", o.render.json}},
+                 scene.files);
+    writeSequence(names, sequence);
+    return sequence;
+}
+
+ExitCode runAnimate(AnimateOptions& o, Ranks& ranks) {
     const Timer total;
     const Output output = understandOutput(o);
-    setThreadCount(o.render.threads);
-    temporalOf(o);
+    setThreadCount(o.render.threads > 0 ? o.render.threads : ranks.threads());
+    const std::optional<TemporalParams> temporal = temporalOf(o, ranks);
     if (!o.frames.empty()) {
         parseFrames(o.frames);  // before loading
     }
     AnimatedScene scene(o.render.scene, o.render.load, o.animation);
-    Warnings warnings;
-    warnings.sayNew(scene.scene().warnings);
+    for (const std::string& warning : scene.scene().warnings) {
+        warn(warning);
+    }
     const FrameRange frames = rangeOf(o, scene);
-    Sequence sequence{.key = keyOf(o, scene.scene())};
-    if (const auto begun = findSequence(output.names, frames, sequence.key)) {
-        sequence = *begun;
-    }
-    makeFolder(output.names);
-    checkOutputs({{"-o", output.names(frames.first)},
-                  {"-o", sequenceFile(output.names)},
-                  {"-o", output.movie},
-                  {"--json", o.render.json}},
-                 scene.scene().files);
-    writeSequence(output.names, sequence);
+    const SequenceKey key = keyOf(*o.app, scene.scene());
+    const std::string job = jobText(key, output.frames.names(0));
+    const SequenceParams params{.part = o.render.part, .fps = o.fps, .temporal = temporal};
     o.render.params.quiet = true;
-    const std::vector<FrameReport> reports =
-        renderFrames(o, output, missingFrames(output, frames), scene, warnings, sequence);
-    if (!output.movie.empty()) {
-        writeMovie(output.ffmpeg, output.names, frames, o.fps, output.movie);
-        removeFrames(output.names);
+    if (!ranks.first()) {
+        FrameMaker(o.render, output.frames, scene, params, {.key = key}).serve(ranks, job);
+        return ExitCode::kDone;
     }
-    writeJson(o.render.json, reportJson(o, output, frames, reports, total.seconds()));
+    const Sequence sequence = sequenceOf(o, output, frames, scene.scene(), key);
+    FrameMaker maker(o.render, output.frames, scene, params, sequence);
+    const std::vector<Json> reports = maker.make(ranks, job, missingFrames(output.frames, frames));
+    if (!output.movie.empty()) {
+        writeMovie(output.ffmpeg, output.frames.names, frames, o.fps, output.movie);
+        removeFrames(output.frames.names);
+    }
+    writeJson(o.render.json, reportJson(o, frames, reports, total.seconds()));
     if (wantsText(o.render.json)) {
         printReport(output, frames, reports, total.seconds());
     }
@@ -336,7 +213,7 @@ ExitCode runAnimate(AnimateOptions& o) {
 
 }  // namespace
 
-Command addAnimate(CLI::App& program) {
+Command addAnimate(CLI::App& program, Ranks& ranks) {
     CLI::App* app = program.add_subcommand(
         "animate", "Render frames of a scene that moves, continuing where it was interrupted");
     const auto options = std::make_shared<AnimateOptions>();
@@ -374,7 +251,7 @@ Command addAnimate(CLI::App& program) {
     app->add_option("--animation", options->animation,
                     "Name or number of an animation; default: the file's first")
         ->type_name("NAME");
-    return {app, [options] { return runAnimate(*options); }};
+    return {app, [options, &ranks] { return runAnimate(*options, ranks); }};
 }
 
 }  // namespace sheen::cli

@@ -13,6 +13,7 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/output.h"
+#include "cli/sequence_file.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "image/exr.h"
@@ -37,6 +38,7 @@ struct BakeOptions {
     LoadParams load;
     AtlasParams atlas;
     BakeParams params;
+    const CLI::App* app = nullptr;
     CLI::Option* accuracy_option = nullptr;
     CLI::Option* spp_option = nullptr;
     CLI::Option* seed_option = nullptr;
@@ -192,10 +194,10 @@ void writeOutputs(const BakeOptions& o, const Scene& scene, const Lightmap& map,
     }
 }
 
-ExitCode runBake(BakeOptions& o) {
+ExitCode runBake(BakeOptions& o, Ranks& ranks) {
     const Timer total;
     understand(o);
-    setThreadCount(o.threads);
+    setThreadCount(o.threads > 0 ? o.threads : ranks.threads());
     const Timer load;
     o.load.sources = true;
     const Scene scene = loadScene(o.scene, o.load);
@@ -207,7 +209,9 @@ ExitCode runBake(BakeOptions& o) {
     for (const std::string& output : o.outputs) {
         files.push_back({"-o", output});
     }
-    checkOutputs(files, scene.files);
+    if (ranks.first()) {
+        checkOutputs(files, scene.files);
+    }
     const Tracer tracer(scene);
     const Lightmap map = lightmapOf(tracer, atlasOf(scene, o.atlas));
     if (std::any_of(o.outputs.begin(), o.outputs.end(), [](const std::string& output) {
@@ -215,7 +219,12 @@ ExitCode runBake(BakeOptions& o) {
         })) {
         checkLightmapped(scene, fileOf(o, map));
     }
-    const Baked baked = bake(tracer, map, o.params);
+    const Baked baked =
+        bake(tracer, map, o.params,
+             {.ranks = &ranks, .text = jobText(keyOf(*o.app, scene), o.outputs.front())});
+    if (!ranks.first()) {
+        return ExitCode::kDone;
+    }
     writeOutputs(o, scene, map, baked);
     if (baked.stats.uncovered > 0) {
         warn(fmt::format("{} texels have no record: their numbers are not sound",
@@ -283,12 +292,13 @@ void addBakeMethodOptions(CLI::App& app, BakeOptions& o) {
 
 }  // namespace
 
-Command addBake(CLI::App& program) {
+Command addBake(CLI::App& program, Ranks& ranks) {
     CLI::App* app = program.add_subcommand("bake", "Bake a scene's light into a lightmap");
     const auto o = std::make_shared<BakeOptions>();
+    o->app = app;
     addAtlasOptions(*app, *o);
     addBakeMethodOptions(*app, *o);
-    return {app, [o] { return runBake(*o); }};
+    return {app, [o, &ranks] { return runBake(*o, ranks); }};
 }
 
 }  // namespace sheen::cli

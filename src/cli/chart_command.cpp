@@ -1,12 +1,17 @@
 // sheen chart: error against time of every method, measured on scenes and shown on a page.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 
 #include "chart/chart.h"
+#include "chart/point_file.h"
 #include "chart/report.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/output.h"
+#include "cli/sequence_file.h"
+#include "core/progress.h"
 
 namespace sheen::cli {
 namespace {
@@ -24,7 +29,55 @@ std::string ownProgram() {
     if (error) {
         throwEnvironment("/proc/self/exe: cannot find the program to measure: {}", error.message());
     }
-    return path.string();
+    // Ranks measure what everyone runs.
+    return path.filename() == "sheen-mpi"
+               ? std::filesystem::path(path).replace_filename("sheen").string()
+               : path.string();
+}
+
+// A unit of work is a point, as numbers of its scene, method and setting. Measures it into the
+// chart's folder.
+std::string measurePoint(const ChartParams& all, const std::string& unit) {
+    const Json json = Json::parse(unit);
+    ChartParams params = all;
+    params.scenes = {all.scenes.at(json.at(0).get<size_t>())};
+    params.methods = {all.methods.at(json.at(1).get<size_t>())};
+    params.only_setting = params.methods.front().settings.at(json.at(2).get<size_t>()).value;
+    params.shader_cache =
+        fmt::format("shader_cache.{}", fmt::join(json.get<std::vector<size_t>>(), "."));
+    params.quiet = true;
+    measureChart(params);
+    return {};
+}
+
+// Has all points measured, each by the rank that is free. A scene's first brings its reference,
+// which the others need.
+void measurePoints(const ChartParams& params, Ranks& ranks, const std::string& job) {
+    std::vector<std::string> first, others;
+    for (size_t s = 0; s < params.scenes.size(); ++s) {
+        for (size_t m = 0; m < params.methods.size(); ++m) {
+            for (size_t k = 0; k < params.methods[m].settings.size(); ++k) {
+                (m == 0 && k == 0 ? first : others).push_back(Json::array({s, m, k}).dump());
+            }
+        }
+    }
+    Progress progress("points", static_cast<int64_t>(first.size() + others.size()));
+    for (const std::vector<std::string>& units : {first, others}) {
+        ranks.share(
+            job, units, [&](const std::string& unit) { return measurePoint(params, unit); },
+            [&](size_t, const std::string&) { progress.advance(); });
+    }
+}
+
+// What ranks must agree upon: times of different machines do not compare.
+std::string jobText(const CLI::App& app, const ChartParams& params) {
+    const ChartHost host = hostOf(params);
+    std::string text = fmt::format("{}\n{}\n{}\n{}\n{}", host.version, host.build, host.cpu,
+                                   host.threads, optionsText(app));
+    for (const std::string& scene : params.scenes) {
+        text += fmt::format("\n{} {}", scene, fileHash(scene));
+    }
+    return text;
 }
 
 void printChart(const Chart& chart, const std::string& folder) {
@@ -40,14 +93,22 @@ void printChart(const Chart& chart, const std::string& folder) {
     fmt::print("wrote     {}\n", (std::filesystem::path(folder) / "chart.html").string());
 }
 
-ExitCode runChart(ChartOptions& o) {
+ExitCode runChart(const CLI::App& app, ChartOptions& o, Ranks& ranks) {
     const ivec2 size = parseSize(o.size);
     o.params.width = size.x;
     o.params.height = size.y;
     o.params.methods = chooseMethods(o.methods);
     o.params.program = ownProgram();
     o.params.version = SHEEN_VERSION;
-    const Chart chart = measureChart(o.params);
+    if (ranks.count() > 1) {
+        const std::string job = jobText(app, o.params);
+        if (!ranks.first()) {
+            ranks.serve(job, [&](const std::string& unit) { return measurePoint(o.params, unit); });
+            return ExitCode::kDone;
+        }
+        measurePoints(o.params, ranks, job);
+    }
+    const Chart chart = measureChart(o.params);  // what is measured is taken from the folder
     writeReport(o.params.folder, chart);
     printChart(chart, o.params.folder);
     return ExitCode::kDone;
@@ -55,7 +116,7 @@ ExitCode runChart(ChartOptions& o) {
 
 }  // namespace
 
-Command addChart(CLI::App& program) {
+Command addChart(CLI::App& program, Ranks& ranks) {
     CLI::App* app = program.add_subcommand("chart", "Chart error against time of all methods");
     const auto options = std::make_shared<ChartOptions>();
     ChartParams& p = options->params;
@@ -93,7 +154,7 @@ Command addChart(CLI::App& program) {
     addGlOption(*app, p.gl);
     app->add_flag("--any-build", p.any_build,
                   "Also take stored points that another build of the program completed");
-    return {app, [options] { return runChart(*options); }};
+    return {app, [app, options, &ranks] { return runChart(*app, *options, ranks); }};
 }
 
 }  // namespace sheen::cli

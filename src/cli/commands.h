@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "core/error.h"
+#include "core/ranks.h"
 
 namespace sheen::cli {
 
@@ -17,11 +18,12 @@ struct Command {
 Command addRender(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addInfo(CLI::App& program);
-Command addChart(CLI::App& program);
-Command addBake(CLI::App& program);
 Command addManual(CLI::App& program);
 Command addCompletion(CLI::App& program);
-Command addAnimate(CLI::App& program);
+/// `ranks`: that its work is shared out over; must outlive it.
+Command addAnimate(CLI::App& program, Ranks& ranks);
+Command addBake(CLI::App& program, Ranks& ranks);
+Command addChart(CLI::App& program, Ranks& ranks);
 /// `arguments`: of the program, null at the end.
 Command addView(CLI::App& program, char** arguments);
 

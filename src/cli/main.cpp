@@ -1,12 +1,15 @@
 // The program `sheen`.
 #include "cli/program.h"
+#include "cli/sibling.h"
 
 int main(int argc, char** argv) {
     using namespace sheen::cli;
-    return runProgram(argc, argv, [argv](CLI::App& program) {
+    sheen::OneRank ranks;
+    return runProgram(argc, argv, [&](CLI::App& program) {
+        becomeRank(argc, argv);
         return std::vector<Command>{
-            addRender(program),  addView(program, argv), addAnimate(program),
-            addCompare(program), addInfo(program),       addChart(program),
-            addBake(program),    addManual(program),     addCompletion(program)};
+            addRender(program),      addView(program, argv), addAnimate(program, ranks),
+            addCompare(program),     addInfo(program),       addChart(program, ranks),
+            addBake(program, ranks), addManual(program),     addCompletion(program)};
     });
 }

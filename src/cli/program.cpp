@@ -1,10 +1,7 @@
 #include "cli/program.h"
 
-#include <algorithm>
 #include <csignal>
-#include <new>
 #include <string>
-#include <system_error>
 
 #include "cli/output.h"
 #include "image/atomic_file.h"
@@ -32,12 +29,6 @@ void installSignalHandlers() {
     std::signal(SIGXFSZ, SIG_IGN);
 }
 
-int reportError(ExitCode code, std::string message) {
-    std::replace(message.begin(), message.end(), '\n', ' ');
-    say(fmt::format("sheen: error: {}\n", message));
-    return static_cast<int>(code);
-}
-
 int parseAndRun(int argc, char** argv, const std::function<std::vector<Command>(CLI::App&)>& add) {
     CLI::App program("Glossy global illumination without noise, by radiance caching.", "sheen");
     program.set_version_flag("--version", "sheen " SHEEN_VERSION, "Print the version and exit");
@@ -52,15 +43,13 @@ int parseAndRun(int argc, char** argv, const std::function<std::vector<Command>(
             return program.exit(error);  // --help, --version
         }
         if (argc > 1 && argv[1][0] != '-' && program.get_subcommands().empty()) {
-            return reportError(ExitCode::kUsage,
-                               fmt::format("{}: no such subcommand (see sheen --help)", argv[1]));
+            throwUsage("{}: no such subcommand (see sheen --help)", argv[1]);
         }
         std::string where = "sheen";
         for (const Command& command : commands) {
             where += command.options->parsed() ? " " + command.options->get_name() : "";
         }
-        return reportError(ExitCode::kUsage,
-                           fmt::format("{} (see {} --help)", error.what(), where));
+        throwUsage("{} (see {} --help)", error.what(), where);
     }
     for (const Command& command : commands) {
         if (command.options->parsed()) {
@@ -72,20 +61,20 @@ int parseAndRun(int argc, char** argv, const std::function<std::vector<Command>(
 
 }  // namespace
 
-int runProgram(int argc, char** argv, const std::function<std::vector<Command>(CLI::App&)>& add) {
+int printFailure(const Failure& failure) {
+    say(fmt::format("sheen: error: {}\n", failure.message));
+    return static_cast<int>(failure.code);
+}
+
+int runProgram(int argc, char** argv, const std::function<std::vector<Command>(CLI::App&)>& add,
+               const std::function<int(const Failure&)>& on_failure) {
     installSignalHandlers();
     try {
         const int code = parseAndRun(argc, argv, add);
         flushOutput();
         return code;
-    } catch (const Error& error) {
-        return reportError(error.code(), error.what());
-    } catch (const std::system_error& error) {  // of threads, and of printing
-        return reportError(ExitCode::kEnvironment, error.what());
-    } catch (const std::bad_alloc&) {
-        return reportError(ExitCode::kEnvironment, "out of memory: try a smaller --size");
-    } catch (const std::exception& error) {
-        return reportError(ExitCode::kBug, fmt::format("{}; this is a bug", error.what()));
+    } catch (...) {
+        return on_failure(failureOf(std::current_exception()));
     }
 }
 

@@ -3,12 +3,10 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/mattes.h"
 #include "cli/render_report.h"
 #include "cli/render_wanted.h"
 #include "core/parallel.h"
 #include "core/timer.h"
-#include "image/exr.h"
 #include "image/png.h"
 
 namespace sheen::cli {
@@ -16,18 +14,6 @@ namespace {
 
 // Of a time limit: what writing may take, and ending.
 constexpr double kWriteShare = 0.03;
-
-void writeFrame(const RenderOptions& o, FileKind kind, const Scene& scene,
-                const RenderResult& result) {
-    const Frame& frame = result.frame;
-    if (kind == FileKind::kPng) {
-        writePng(o.output, frame, parseExposure(o.exposure), o.to_display);
-    } else {
-        const bool all = o.params.all_layers;
-        writeExr(o.output, frame, all ? ExrLayers::kAll : ExrLayers::kBasic,
-                 notesOf(o, result.stats), all ? mattesOf(scene, frame) : std::vector<Matte>());
-    }
-}
 
 ExitCode runRender(RenderOptions& o) {
     const Timer total;
@@ -51,7 +37,11 @@ ExitCode runRender(RenderOptions& o) {
     Session session(scene);
     RenderResult result = renderWanted(session, scene, o);
     const Timer write;
-    writeFrame(o, kind, scene, result);
+    if (kind == FileKind::kPng) {
+        writePng(o.output, result.frame, parseExposure(o.exposure), o.to_display);
+    } else {
+        writeFrameExr(o, scene, result);
+    }
     result.stats.seconds.write = write.seconds();
     result.stats.seconds.load = load_seconds;
     result.stats.seconds.total = total.seconds();

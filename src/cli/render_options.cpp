@@ -32,6 +32,9 @@ const std::map<std::string, Gather> kGathers = {
     {"larsen", {GatherRoad::kRaster, HemisphereKind::kLarsen}},
     {"hemicube", {GatherRoad::kRaster, HemisphereKind::kHemicube}}};
 
+const std::map<std::string, SitesBy> kPlacements = {{"scan", SitesBy::kScan},
+                                                    {"kmeans", SitesBy::kKMeans}};
+
 template <class T>
 std::vector<std::string> keysOf(const std::map<std::string, T>& map) {
     std::vector<std::string> keys;
@@ -164,6 +167,12 @@ void addCacheOption(CLI::App& app, RenderOptions& o) {
 void addSamplingOptions(CLI::App& app, RenderOptions& o) {
     RenderParams& p = o.params;
     const Limiter limited{o};
+    limited(app.add_option("--placement", o.placement,
+                           "radiance, irradiance: where records go: where a scan of the image "
+                           "finds them missing (scan), or first one into each cluster of alike "
+                           "surface points (kmeans)")
+                ->check(CLI::IsMember(keysOf(kPlacements))),
+            kCached);
     limited(app.add_option("--sh-order", o.sh_order,
                            "radiance: order of the spherical harmonics, 2..10, or auto: by "
                            "material; hints: 2 or 3, auto is 3"),
@@ -314,7 +323,7 @@ std::string canonical(const std::string& text) {
 // Whether the method has it, and it is about the image.
 bool isOfImage(const RenderOptions& o, const CLI::Option* option) {
     constexpr std::string_view kOthers[] = {"output", "json",  "threads", "exposure", "tone",
-                                            "help",   "cache", "view",    "ocio"};
+                                            "help",   "cache", "view",    "ocio",     "frames"};
     const std::vector<std::string>& names = option->get_lnames();
     if (names.empty() ||
         std::find(std::begin(kOthers), std::end(kOthers), names[0]) != std::end(kOthers)) {
@@ -374,6 +383,7 @@ void understandFrame(RenderOptions& o) {
     o.params.method = kMethods.at(o.method);
     o.params.gather_road = kGathers.at(o.gather).road;
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;
+    o.params.placement.sites = kPlacements.at(o.placement);
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.bounces = bouncesOf(o);
     o.params.gl = parseGl(o.gl);

@@ -22,6 +22,7 @@ struct RenderOptions {
     std::string output;
     std::string size = "512x512";
     std::string method = "radiance";
+    std::string placement = "scan";
     std::string sh_order = "auto";
     std::string gather = "ray";
     std::string bounces = "all";

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "cli/mattes.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "render/black_frame.h"
@@ -77,6 +78,7 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats) {
                  {"threads", threadCount()},
                  {"output", o.output},
                  {"records", stats.records},
+                 {"records_of_clusters", stats.records_of_clusters},
                  {"records_reused", stats.records_reused},
                  {"records_renewed", stats.records_renewed},
                  {"seconds", seconds},
@@ -139,6 +141,12 @@ ExrNotes notesOf(const RenderOptions& o, const RenderStats& stats) {
     return notes;
 }
 
+void writeFrameExr(const RenderOptions& o, const Scene& scene, const RenderResult& result) {
+    const bool all = o.params.all_layers;
+    writeExr(o.output, result.frame, all ? ExrLayers::kAll : ExrLayers::kBasic,
+             notesOf(o, result.stats), all ? mattesOf(scene, result.frame) : std::vector<Matte>());
+}
+
 void printStats(const RenderOptions& o, const RenderStats& stats) {
     std::string stages;
     for (const Stage& stage : kStages) {
@@ -155,7 +163,11 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
         fmt::print("hints     {}, of {} samples of lit surfaces; pixels that see none: {} of {}\n",
                    stats.hints, stats.lit_samples, stats.pixels_uncovered, stats.pixels_geometry);
     } else {
-        fmt::print("records   {}; pixels without one: {} of {}\n", stats.records,
+        const std::string of_clusters =
+            o.params.placement.sites == SitesBy::kKMeans
+                ? fmt::format(" ({} of clusters)", stats.records_of_clusters)
+                : "";
+        fmt::print("records   {}{}; pixels without one: {} of {}\n", stats.records, of_clusters,
                    stats.pixels_uncovered, stats.pixels_geometry);
     }
     if (usesCache(o.params.method)) {

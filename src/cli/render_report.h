@@ -18,6 +18,10 @@ Json statsJson(const RenderOptions& o, const RenderStats& stats);
 /// its light may be. The same for the same image, whenever and by however many threads it was made.
 ExrNotes notesOf(const RenderOptions& o, const RenderStats& stats);
 
+/// Writes an EXR file to `output`: the layers that were asked for, masks among all of them, and
+/// what notesOf() says.
+void writeFrameExr(const RenderOptions& o, const Scene& scene, const RenderResult& result);
+
 /// Every figure, for people.
 void printStats(const RenderOptions& o, const RenderStats& stats);
 

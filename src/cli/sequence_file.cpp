@@ -1,9 +1,12 @@
 #include "cli/sequence_file.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include "chart/point_file.h"
 #include "cli/output.h"
 #include "core/error.h"
 
@@ -33,6 +36,32 @@ const char* differenceOf(const SequenceKey& a, const SequenceKey& b) {
 }
 
 }  // namespace
+
+std::string optionsText(const CLI::App& app) {
+    std::string text;
+    for (const CLI::Option* option : app.get_options()) {
+        const std::string name = option->get_name();
+        const bool of_images = name != "SCENE" && name != "--output" && name != "--frames" &&
+                               name != "--threads" && name != "--json";
+        if (option->count() > 0 && of_images) {
+            text += fmt::format("{}{}={}", text.empty() ? "" : " ", name,
+                                fmt::join(option->results(), ","));
+        }
+    }
+    return text;
+}
+
+SequenceKey keyOf(const CLI::App& app, const Scene& scene) {
+    std::string files;
+    for (const std::string& file : scene.files) {
+        files += fileHash(file);
+    }
+    return {.program = "sheen " SHEEN_VERSION, .scene = files, .options = optionsText(app)};
+}
+
+std::string jobText(const SequenceKey& key, const std::string& output) {
+    return fmt::format("{}\n{}\n{}\n{}", key.program, key.scene, key.options, output);
+}
 
 std::string sequenceFile(const FrameNames& names) { return names.beside("sequence.json"); }
 

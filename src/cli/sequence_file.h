@@ -1,11 +1,13 @@
 // What a sequence of images was made of, in a file beside them: so that one which is continued is
-// continued with the same.
+// continued with the same. And what anything is made of that several processes make.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
 #include "cli/frame_names.h"
+#include "scene/scene.h"
 
 namespace sheen::cli {
 
@@ -15,6 +17,15 @@ struct SequenceKey {
     std::string options;  ///< that change images
     bool operator==(const SequenceKey&) const = default;
 };
+
+/// What of the options changes results, as they were given.
+std::string optionsText(const CLI::App& app);
+
+/// The key of what these options make of the scene.
+SequenceKey keyOf(const CLI::App& app, const Scene& scene);
+
+/// The key as text, of what goes to `output`: what ranks that share it out must agree upon.
+std::string jobText(const SequenceKey& key, const std::string& output);
 
 /// What is known of a sequence that was begun.
 struct Sequence {

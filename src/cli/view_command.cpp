@@ -1,11 +1,9 @@
 // sheen view: checks its options and hands over to the program that shows windows, which lies
 // beside this one: so nothing else needs a window system's libraries.
-#include <unistd.h>
-
-#include <filesystem>
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/sibling.h"
 #include "cli/view_options.h"
 
 namespace sheen::cli {
@@ -13,13 +11,9 @@ namespace {
 
 ExitCode runView(ViewOptions& o, char** arguments) {
     understand(o);
-    const std::filesystem::path program =
-        std::filesystem::read_symlink("/proc/self/exe").replace_filename("sheen-viewer");
-    execv(program.c_str(), arguments);
     throwEnvironment(
-        "view: {} cannot be run; install the package sheen-viewer, or build with "
-        "SHEEN_VIEWER",
-        program.string());
+        "view: {} cannot be run; install the package sheen-viewer, or build with SHEEN_VIEWER",
+        becomeSibling("sheen-viewer", arguments));
 }
 
 }  // namespace

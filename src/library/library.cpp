@@ -8,12 +8,11 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <new>
 #include <optional>
-#include <system_error>
 
 #include "cli/render_report.h"
 #include "cli/render_wanted.h"
+#include "core/failure.h"
 #include "core/listener.h"
 #include "core/timer.h"
 #include "image/exr.h"
@@ -94,16 +93,9 @@ sheen_status guarded(sheen_error* error, const Body& body) {
         return SHEEN_DONE;
     } catch (const Cancelled&) {
         return failed(SHEEN_CANCELLED, "cancelled by the listener");
-    } catch (const Error& e) {
-        return failed(statusOf(e.code()), e.what());
-    } catch (const std::bad_alloc&) {
-        return failed(SHEEN_ENVIRONMENT, "out of memory: try a smaller size");
-    } catch (const std::system_error& e) {
-        return failed(SHEEN_ENVIRONMENT, oneLine(e.what()));
-    } catch (const std::exception& e) {
-        return failed(SHEEN_BUG, oneLine(e.what()) + "; this is a bug");
     } catch (...) {
-        return failed(SHEEN_BUG, "something unknown was thrown; this is a bug");
+        const Failure failure = failureOf(std::current_exception());
+        return failed(statusOf(failure.code), failure.message);
     }
 }
 

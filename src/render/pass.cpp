@@ -265,6 +265,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     stats.gather_size = hemisphere.size;
     tell(placement, estimate, counts, stats);
     stats.records_reused = static_cast<int>(view.field.reused);
+    stats.records_of_clusters = static_cast<int>(view.field.of_clusters);
 }
 
 }  // namespace sheen

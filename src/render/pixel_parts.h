@@ -23,12 +23,12 @@ struct PixelParts {
         float distance = 0;
         float reach = 0;
     };
-    std::vector<Serving> records;  ///< the heaviest first
+    std::vector<Serving> records = {};  ///< the heaviest first
 
     // Of the heaviest record, radiance from its hemisphere as a disc: its normal in the middle, the
     // horizon on the edge, equal areas for equal solid angles.
-    Image<vec3> hemisphere;      ///< by a ray a pixel; empty without records
-    Image<vec3> reconstruction;  ///< by its spherical harmonics; empty where it has none
+    Image<vec3> hemisphere = {};      ///< by a ray a pixel; empty without records
+    Image<vec3> reconstruction = {};  ///< by its spherical harmonics; empty where it has none
 };
 
 /// Of a pixel of the image that `params` describe, as records of `cache` serve it. `order`: that it

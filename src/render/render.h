@@ -98,8 +98,9 @@ constexpr Stage kStages[] = {
 /// What the program prints and writes as --json.
 struct RenderStats {
     int records = 0;
-    int records_reused = 0;   ///< of these, from former frames
-    int records_renewed = 0;  ///< of those, gathered anew at their places
+    int records_reused = 0;       ///< of these, from former frames
+    int records_renewed = 0;      ///< of those, gathered anew at their places
+    int records_of_clusters = 0;  ///< of the records, of clusters (SitesBy::kKMeans)
     StageSeconds seconds;
     int pixels_geometry = 0;   ///< pixels that see geometry
     int pixels_uncovered = 0;  ///< of these, without any record

@@ -105,6 +105,7 @@ void VeiledFrame::add(RenderResult veil, const Image<float>& share) {
     const RenderStats& of_veil = veil.stats;
     stats.seconds = of_veil.seconds;
     stats.records += of_veil.records;
+    stats.records_of_clusters += of_veil.records_of_clusters;
     stats.edge_records += of_veil.edge_records;
     stats.pixels_edges += of_veil.pixels_edges;
     stats.pixels_uncovered += of_veil.pixels_uncovered;
