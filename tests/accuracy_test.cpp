@@ -130,6 +130,11 @@ INSTANTIATE_TEST_SUITE_P(GrazingGloss, Accuracy,
                                          Measured{"seam_r100", "", kDefault, 3.66, -0.40, 3.6}),
                          testName);
 
+// Bumps of normal maps, whose light records of the smooth surface tell.
+INSTANTIATE_TEST_SUITE_P(Bumps, Accuracy,
+                         testing::Values(Measured{"tiles", "", kDefault, 1.88, 0.52, 4.8}),
+                         testName);
+
 // Lamps and a sky, all bounces.
 INSTANTIATE_TEST_SUITE_P(
     LampsAndSky, Accuracy,

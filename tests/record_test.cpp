@@ -112,6 +112,25 @@ TEST(RecordIrradiance, ExtrapolatesAndNeverGoesBelowZero) {
     EXPECT_EQ(shared::recordIrradiance(k, k.position, kUp), k.irradiance);
 }
 
+// On a bump: of light that is the same from everywhere a share, of a gradient what lies along it.
+TEST(BumpIrradiance, IsAShareOfWhatIsEvenAndWhatLiesAlongAGradient) {
+    Record uniform{};
+    uniform.normal = kUp;
+    uniform.irradiance = vec3(1.0f, 2.0f, 3.0f);
+    Record k = uniform;
+    k.rotation_r = vec3(0.5f, 0.1f, 0);
+    k.rotation_b = vec3(-0.3f, 0, 0);
+    EXPECT_EQ(shared::bumpIrradiance(k, k.position, kUp, kUp), k.irradiance);
+    for (const float angle : {0.2f, 0.5f, 1.0f}) {
+        const vec3 m = std::sin(angle) * vec3(1, 0, 0) + std::cos(angle) * kUp;
+        const vec3 share = shared::bumpIrradiance(uniform, k.position, kUp, m) / k.irradiance;
+        EXPECT_NEAR(share.x, 0.5f * (1.0f + std::cos(angle)), 1e-6f);
+        const vec3 more = shared::bumpIrradiance(k, k.position, kUp, m) - share * k.irradiance;
+        EXPECT_NEAR(more.x, glm::dot(m - kUp, k.rotation_r), 1e-5f);
+        EXPECT_NEAR(more.z, glm::dot(m - kUp, k.rotation_b), 1e-5f);
+    }
+}
+
 TEST(TangentFrame, OrthonormalAndRightHanded) {
     Random random(4);
     std::vector<vec3> normals = {

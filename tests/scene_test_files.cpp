@@ -40,6 +40,7 @@ const std::map<std::string, Expected> kExpected = {
     {"ledges.glb", {0xd848d9e8fcc9ad38u, 870, 870, 2}},
     {"orbit.glb", {0x43d30a2bd8e51a00u, 22000, 26000, 2, true}},
     {"sphere_room.glb", {0xcd00d35897d7de3cu, 20480, 20480, 1}},
+    {"tiles.glb", {0xbd98ade8bce4db66u, 108, 108, 2}},
     {"venus_glossy.glb", {0xa522fe1e1b2b3a63u, 22000, 26000, 2}},
 };
 

@@ -106,6 +106,30 @@ TEST(Splat, OrdersMayMix) {
     expectSame(gpu.specular, cpu.specular, 10.0f, "specular");
 }
 
+TEST(Splat, BumpsAreSeenByBoth) {
+    const Scene scene = glossyRoom(0.5f, 0.4f);
+    TestStage stage(scene);
+    Receivers receivers = receiversOf(scene, stage.gbuffer(40, 37), 0, false);
+    const RecordCache cache = makeRecords(receivers, 13, 7);
+    const SplatBuffer smooth = splatCpu(receivers, cache, kWeight);
+    Random random(8);
+    for (const vec3& n : receivers.normals) {
+        receivers.mapped_normals.push_back(glm::normalize(n + 0.5f * random.direction()));
+    }
+    const SplatBuffer cpu = splatCpu(receivers, cache, kWeight);
+    for (const int rows : {37, 5}) {
+        const SplatBuffer gpu =
+            splatGpu(stage.pool, receivers, cache, kWeight, rows * receivers.image.width);
+        expectSame(gpu.irradiance, cpu.irradiance, 10.0f, "irradiance");
+    }
+    int other = 0;
+    for (size_t i = 0; i < cpu.irradiance.pixels.size(); ++i) {
+        EXPECT_EQ(cpu.irradiance.pixels[i].w, smooth.irradiance.pixels[i].w) << "weights stay";
+        other += cpu.irradiance.pixels[i] != smooth.irradiance.pixels[i] ? 1 : 0;
+    }
+    EXPECT_GT(other, 1000);
+}
+
 TEST(Splat, BandsOfRowsChangeNoBit) {
     const Scene scene = glossyRoom(0.5f, 0.4f);
     TestStage stage(scene);

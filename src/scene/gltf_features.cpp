@@ -97,7 +97,7 @@ void listFeatures(const File& file, Scene& scene) {
     add(material([](const Material& m) { return m.emissiveTexture.index != -1; }),
         "emissive textures", kRight);
     add(material([](const Material& m) { return m.normalTexture.index != -1; }), "normal textures",
-        "approximated: indirect light of a pixel as of the smooth surface");
+        "approximated: indirect light of a bump is told by the smooth surface's");
     add(material([](const Material& m) { return m.occlusionTexture.index != -1; }),
         "occlusion textures", "ignored: the light they stand for is computed");
     add(material([](const Material& m) { return m.alphaMode == "MASK"; }), "alphaMode MASK",
