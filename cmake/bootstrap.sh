@@ -79,7 +79,10 @@ ensure_built() {
     exec 9>"$root/build/.lock"
     flock 9
     if ! sources_unchanged_since "$stamp"; then
-        ! needs_tests "$1" || packages+=("${test_build_packages[@]}")
+        # What ./check configured stays configured.
+        if needs_tests "$1" || grep -qsx 'SHEEN_TESTS:BOOL=ON' "$build/CMakeCache.txt"; then
+            packages+=("${test_build_packages[@]}")
+        fi
         if [[ "$(cat "$known_packages" 2>/dev/null)" != "${packages[*]}" ]]; then
             install_packages "${packages[@]}"
             echo "${packages[*]}" >"$known_packages"

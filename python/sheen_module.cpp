@@ -173,8 +173,12 @@ class Fields {
             PyErr_Clear();
             fail(key, "must be integers");
         }
-        if (array.size() > 0 && array.attr("min")().cast<std::int64_t>() < 0) {
+        if (array.size() > 0 && py::int_(array.attr("min")()) < py::int_(0)) {
             fail(key, "must not be negative");
+        }
+        if (array.size() > 0 &&
+            py::int_(array.attr("max")()).attr("bit_length")().cast<int>() > 32) {
+            fail(key, "must be below 2^32");
         }
         left_[key] = array;
         takeRows<IndexArray>(key, 3, to);
@@ -473,7 +477,7 @@ PYBIND11_MODULE(sheen, module) {
                 const sheen::Options options = optionsOf(kwargs);
                 unlocked([&] { frame.write(name, options); });
             },
-            py::arg("path"), "To .exr, or .png with the options exposure and tone.");
+            py::arg("path"), "To .exr, or .png with the options exposure, tone, view and ocio.");
 
     module.def("render", &renderFile, py::arg("scene"),
                "A Frame of a file, of its bytes or of a Scene; options of both: see Scene and "

@@ -177,6 +177,10 @@ TEST(HintLattice, ofBoxesAndOfPartsShareCells) {
         EXPECT_GE(fine.within(part.lower), -1.0f);
         EXPECT_GE(fine.within(part.upper), -1.0f);
     }
+    // What a camera sees of nothing but flat ground: no more hints than elsewhere.
+    const Bounds wide{.lower = vec3(-100, 0, -100), .upper = vec3(100, 30, 100)};
+    const Bounds ground{.lower = vec3(-10, 0, -10), .upper = vec3(10, 0, 10)};
+    EXPECT_LT(latticeWithin(latticeOf(wide, 2048), ground, 2048).count(), 8 * 2048);
     const HintLattice flat = latticeOf({.lower = vec3(0), .upper = vec3(10, 0, 10)}, 500);
     EXPECT_GT(flat.cell.y, 0.0f);
     EXPECT_NEAR(flat.count(), 500, 250);

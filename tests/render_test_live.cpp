@@ -200,6 +200,9 @@ TEST(Live, APixelIsTakenApart) {
     }
     EXPECT_GT(diffuse, 0);
     EXPECT_GT(glossy, 0);
+    // What is no longer true is not told.
+    live.edit([](Scene& scene) { scene.lights.at(0).intensity *= 2.0f; });
+    EXPECT_FALSE(live.partsAt(vec2(0.5f)));
 }
 
 // Resident memory, MiB. Software OpenGL keeps its buffers and textures there as well.

@@ -103,8 +103,10 @@ TEST(DracoCompression, OfAFileThatHoldsTheMeshBesidesIsNotAsked) {
 
 TEST(DracoCompression, ThatIsBrokenIsAnInputError) {
     const std::vector<std::function<void(GltfFile&)>> breakages = {
-        [](GltfFile& f) { f.binary.at(20) ^= 0x55; },
-        [](GltfFile& f) { f.binary.at(0) = 'X'; },
+        [](GltfFile& f) { f.binary.at(20) ^= 0x55; }, [](GltfFile& f) { f.binary.at(0) = 'X'; },
+        // Counts of a billion.
+        [](GltfFile& f) { f.binary.replace(12, 5, "\xff\xff\xff\xff\x03"); },
+        [](GltfFile& f) { f.binary.replace(11, 5, "\xff\xff\xff\xff\x03"); },
         [](GltfFile& f) { f.json["bufferViews"][0]["byteLength"] = 20; },
         [](GltfFile& f) { f.json["accessors"][0]["count"] = kFan; },
         [](GltfFile& f) { f.json["accessors"][0]["count"] = 1 << 30; },

@@ -424,7 +424,7 @@ class Frame {
         return value;
     }
     std::string json() const { return sheen_frame_json(c()); }
-    /// To .exr, or .png with the options exposure and tone.
+    /// To .exr, or .png with the options exposure, tone, view and ocio.
     void write(const std::string& path, const Options& options = {}) const {
         const std::vector<sheen_option> all = detail::cOptions(options);
         detail::check([&](sheen_error* error) {

@@ -156,12 +156,18 @@ size_t renew(const Scene& scene, const Receivers& receivers, const PlacementPara
         ended.push_back(k);
         sites.push_back(std::move(site));
     }
-    std::vector<GatheredRecord> gathered = gatherer.gather(sites);
-    for (size_t n = 0; n < ended.size(); ++n) {
-        GatheredRecord& found = field.records[ended[n]];
-        found = std::move(gathered[n]);
-        found.age = 0;
-        found.lifespan = lifespanOf(found, ageing.params);
+    // In batches: what hemispheres see is held until all of one are seen.
+    const auto batch = static_cast<size_t>(placement.batch);
+    for (size_t first = 0; first < sites.size(); first += batch) {
+        const size_t count = std::min(batch, sites.size() - first);
+        std::vector<GatheredRecord> gathered =
+            gatherer.gather(std::span(sites).subspan(first, count));
+        for (size_t n = 0; n < count; ++n) {
+            GatheredRecord& found = field.records[ended[first + n]];
+            found = std::move(gathered[n]);
+            found.age = 0;
+            found.lifespan = lifespanOf(found, ageing.params);
+        }
     }
     return ended.size();
 }

@@ -35,7 +35,7 @@ struct Output {
     FrameFiles frames = {};
 };
 
-Output understandOutput(AnimateOptions& o) {
+Output understandOutput(AnimateOptions& o, const Ranks& ranks) {
     RenderOptions& r = o.render;
     if (!r.cache.empty()) {
         throwUsage("--cache: not an option of animate, whose frames stand for themselves");
@@ -43,7 +43,7 @@ Output understandOutput(AnimateOptions& o) {
     Output output;
     if (fs::path(r.output).extension() == ".mp4") {
         output.movie = r.output;
-        output.ffmpeg = findFfmpeg(r.output);
+        output.ffmpeg = ranks.first() ? findFfmpeg(r.output) : "";  // who makes the movie
         output.frames.names = {.before = r.output + ".frames/", .after = ".png", .digits = 6};
         r.output = output.frames.names(0);
     } else if (!countsFrames(r.output)) {
@@ -178,7 +178,7 @@ Sequence sequenceOf(const AnimateOptions& o, const Output& output, const FrameRa
 
 ExitCode runAnimate(AnimateOptions& o, Ranks& ranks) {
     const Timer total;
-    const Output output = understandOutput(o);
+    const Output output = understandOutput(o, ranks);
     setThreadCount(o.render.threads > 0 ? o.render.threads : ranks.threads());
     const std::optional<TemporalParams> temporal = temporalOf(o, ranks);
     if (!o.frames.empty()) {

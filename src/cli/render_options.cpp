@@ -163,8 +163,8 @@ void addCacheOption(CLI::App& app, RenderOptions& o) {
         ->default_str("");
 }
 
-// What records, and paths, sample.
-void addSamplingOptions(CLI::App& app, RenderOptions& o) {
+// Where light is kept.
+void addKeepingOptions(CLI::App& app, RenderOptions& o) {
     RenderParams& p = o.params;
     const Limiter limited{o};
     limited(app.add_option("--placement", o.placement,
@@ -182,6 +182,12 @@ void addSamplingOptions(CLI::App& app, RenderOptions& o) {
                            "slower")
                 ->check(numberIn(64, 65536)),
             {Method::kHints});
+}
+
+// What records, and paths, sample.
+void addSamplingOptions(CLI::App& app, RenderOptions& o) {
+    RenderParams& p = o.params;
+    const Limiter limited{o};
     limited(app.add_option("--gather", o.gather,
                            "radiance, irradiance: how a record sees its hemisphere: by rays "
                            "through a hemicube (ray), or rasterised: on a hemicube, or one plane "
@@ -368,6 +374,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& o) {
     o.app = &app;
     addImageOptions(app, o);
     addMethodOptions(app, o);
+    addKeepingOptions(app, o);
     addSamplingOptions(app, o);
     addCacheOption(app, o);
     addProgramOptions(app, o);

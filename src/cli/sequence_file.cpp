@@ -39,8 +39,16 @@ const char* differenceOf(const SequenceKey& a, const SequenceKey& b) {
 
 std::string optionsText(const CLI::App& app) {
     std::string text;
+    const bool viewed = app.get_option("--view")->count() > 0;
     for (const CLI::Option* option : app.get_options()) {
         const std::string name = option->get_name();
+        if (name == "--ocio") {
+            // Of the environment, perhaps; what is in it counts, where it is used.
+            text += viewed ? fmt::format("{}--ocio={}", text.empty() ? "" : " ",
+                                         fileHash(option->results().front()))
+                           : "";
+            continue;
+        }
         const bool of_images = name != "SCENE" && name != "--output" && name != "--frames" &&
                                name != "--threads" && name != "--json";
         if (option->count() > 0 && of_images) {

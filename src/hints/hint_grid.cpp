@@ -35,13 +35,17 @@ HintLook lookAt(const Scene& scene, const Hit& hit, const vec3& direction) {
                       specularAlbedo(NoV, material.roughness, surface.brdf.f0, surface.brdf.f90)};
 }
 
+// What counts as a flat box's thickness.
+float thinnestOf(const Bounds& box) {
+    constexpr float kThinnest = 1.0f / 16.0f;  // of the longest side
+    const vec3 size = box.upper - box.lower;
+    return kThinnest * glm::max(size.x, glm::max(size.y, size.z));
+}
+
 }  // namespace
 
 HintLattice latticeOf(const Bounds& box, int hints) {
-    constexpr float kThinnest = 1.0f / 16.0f;  // of the longest side
-    const vec3 size = box.upper - box.lower;
-    const float longest = glm::max(size.x, glm::max(size.y, size.z));
-    const vec3 sides = glm::max(size, vec3(kThinnest * longest));
+    const vec3 sides = glm::max(box.upper - box.lower, vec3(thinnestOf(box)));
     const double volume = double{sides.x} * double{sides.y} * double{sides.z};
     const auto step = static_cast<float>(std::cbrt(volume / hints));
     HintLattice lattice;
@@ -55,7 +59,7 @@ HintLattice latticeWithin(const HintLattice& whole, const Bounds& box, int hints
     constexpr int kFinest = 12;  // halvings
     constexpr int kStep = 4;     // the box begins and ends at multiples of so many cells
     HintLattice lattice = whole;
-    const vec3 size = (box.upper - box.lower) / whole.cell;
+    const vec3 size = glm::max(box.upper - box.lower, vec3(thinnestOf(box))) / whole.cell;
     double cells = std::max(double{size.x} * double{size.y} * double{size.z}, 1e-9);
     for (int k = 0; k < kFinest && 4.0 * cells < hints; ++k) {
         lattice.cell *= 0.5f;

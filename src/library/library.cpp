@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 
+#include "cli/mattes.h"
 #include "cli/render_report.h"
 #include "cli/render_wanted.h"
 #include "core/failure.h"
@@ -50,6 +51,7 @@ struct sheen_frame {
     sheen::Frame frame;
     bool all_layers = false;
     sheen::ExrNotes notes;
+    std::vector<sheen::Matte> mattes;  // with all layers
     sheen::Image<sheen::vec3> beauty;
     sheen::Image<float> alpha;
     std::vector<sheen_layer> layers;  // which point into the images above
@@ -217,6 +219,9 @@ std::unique_ptr<sheen_frame> renderedFrame(sheen_session& session, cli::RenderOp
     frame->frame = std::move(result.frame);
     frame->all_layers = options.params.all_layers;
     frame->notes = cli::notesOf(options, result.stats);
+    if (frame->all_layers) {
+        frame->mattes = cli::mattesOf(scene, frame->frame);
+    }
     addLayers(*frame);
     frame->figures = cli::statsJson(options, result.stats);
     frame->figures.erase("output");
@@ -388,8 +393,14 @@ sheen_status sheen_frame_figure(const sheen_frame* frame, const char* name, doub
         checkGiven(frame, "frame");
         checkGiven(name, "name");
         checkGiven(value, "value");
-        const cli::Json::json_pointer where("/" + std::string(name));
-        const bool found = frame->figures.contains(where);
+        cli::Json::json_pointer where;
+        bool found = false;
+        try {
+            where = cli::Json::json_pointer("/" + std::string(name));
+            found = frame->figures.contains(where);
+        } catch (const nlohmann::json::exception&) {
+            found = false;  // no name that any figure has
+        }
         if (!found || !(frame->figures[where].is_number() || frame->figures[where].is_null())) {
             throwUsage("figure {}: there is no number of that name; sheen_frame_json() lists them",
                        oneLine(name));
@@ -408,7 +419,7 @@ sheen_status sheen_frame_write(const sheen_frame* frame, const char* path,
         const auto request = requestOf(Call::kWrite, spanOf(options, count));
         if (cli::imageKind(path) == cli::FileKind::kExr) {
             writeExr(path, frame->frame, frame->all_layers ? ExrLayers::kAll : ExrLayers::kBasic,
-                     frame->notes);
+                     frame->notes, frame->mattes);
         } else {
             writePng(path, frame->frame, cli::parseExposure(request->options.exposure),
                      request->options.to_display);

@@ -59,6 +59,7 @@ MpiRanks::MpiRanks(const std::string& identity) {
 
 MpiRanks::~MpiRanks() {
     if (first()) {
+        ranks_[0].state = State::kLeftOut;  // its own unit, if any, is dropped
         for (int rank = 1; rank < count_; ++rank) {
             send(rank, MessageKind::kLeave, {});
         }
@@ -179,15 +180,15 @@ bool MpiRanks::handOut(const std::string& job, Sharing& sharing) {
             leaveOut(static_cast<int>(rank), "reads another scene, or has other options");
             continue;
         }
-        other.state = State::kBusy;
         other.unit = sharing.left.front();
-        sharing.left.pop_front();
-        any = true;
         if (rank == 0) {
             local_->give(sharing.work, sharing.units[other.unit]);
         } else {
             send(static_cast<int>(rank), MessageKind::kUnit, {sharing.units[other.unit]});
         }
+        other.state = State::kBusy;
+        sharing.left.pop_front();
+        any = true;
     }
     return any;
 }

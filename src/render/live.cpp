@@ -124,6 +124,7 @@ struct LiveImage::State {
     void forget() {
         level.reset();
         kept = {};
+        cache = {};
     }
     RenderParams paramsOf(int of_divisor) const {
         RenderParams p = params;
@@ -145,6 +146,8 @@ struct LiveImage::State {
         p.specular.pixel_area = p.aa > 1;
         return p;
     }
+    // `began`: something has changed since the last one.
+    void step(bool began, double seconds);
     // Where there are no records yet: a frame by hints alone, at once. Whether it was one.
     bool beginByHints();
     // Places records until about so many seconds of the timer, once at the least, and shows what
@@ -180,7 +183,7 @@ std::vector<LiveMark> LiveImage::marks() const {
 std::optional<PixelParts> LiveImage::partsAt(const vec2& place) const {
     const State& s = *s_;
     const bool inside = place.x >= 0.0f && place.y >= 0.0f && place.x < 1.0f && place.y < 1.0f;
-    if (!s.built || s.orders.empty() || !inside) {
+    if (!s.built || !s.built->outgoing || s.orders.empty() || !inside) {
         return std::nullopt;
     }
     const auto pixelOf = [&](int width, int height) {
@@ -207,6 +210,7 @@ bool LiveImage::done() const { return !s_->changed && s_->progress.complete; }
 
 void LiveImage::look(const Camera& camera) {
     s_->scene.cameras.back() = camera;
+    s_->params.view = camera;
     s_->changed = true;
 }
 
@@ -220,7 +224,8 @@ void LiveImage::setParams(const RenderParams& params) {
     wanted.quiet = true;
     // Photons belong to a view, and would be traced again for each.
     wanted.caustics = 0;
-    wanted.camera = std::to_string(s_->scene.cameras.size() - 1);
+    wanted.camera.clear();
+    wanted.view = s_->scene.cameras.back();
     const std::string recipe = recordRecipe(wanted);
     if (recipe != s_->recipe) {
         s_->forget();
@@ -242,35 +247,43 @@ void LiveImage::edit(const std::function<void(Scene&)>& change) {
 }
 
 void LiveImage::step(double seconds) {
-    const Timer timer;
-    State& s = *s_;
     if (done()) {
         return;
     }
-    s.progress.seconds = {};
-    if (!s.changed && s.level && s.level->full && s.divisor == 1) {
-        s.finish();
+    const bool changed = std::exchange(s_->changed, false);
+    s_->progress.complete = false;
+    try {
+        s_->step(changed, seconds);
+    } catch (...) {
+        s_->retire();
+        s_->changed = true;  // it begins anew
+        throw;
+    }
+}
+
+void LiveImage::State::step(bool began, double seconds) {
+    const Timer timer;
+    progress.seconds = {};
+    if (!began && level && level->full && divisor == 1) {
+        finish();
     } else {
-        const bool began = std::exchange(s.changed, false);
-        if (began && s.beginByHints()) {
-            s.progress.seconds.total = timer.seconds();
+        if (began && beginByHints()) {
+            progress.seconds.total = timer.seconds();
             return;
         }
-        if (began || !s.level) {
-            s.progress.complete = false;
-            s.begin(s.begin_at);
-        } else if (s.level->full) {
-            s.begin(s.divisor / 2);
+        if (began || !level) {
+            begin(begin_at);
+        } else if (level->full) {
+            begin(divisor / 2);
         }
         // What moves is shown in time: with as many new records as the rest of it allows.
-        const double filled =
-            s.fill(timer, began ? seconds - s.show_seconds
-                                : std::max(seconds, kFillOverShow * s.show_seconds));
+        const double filled = fill(timer, began ? seconds - show_seconds
+                                                : std::max(seconds, kFillOverShow * show_seconds));
         if (began) {
-            s.begin_at = nextSize(s.begin_at, (timer.seconds() - filled) / seconds);
+            begin_at = nextSize(begin_at, (timer.seconds() - filled) / seconds);
         }
     }
-    s.progress.seconds.total = timer.seconds();
+    progress.seconds.total = timer.seconds();
 }
 
 bool LiveImage::State::beginByHints() {
@@ -345,10 +358,12 @@ void LiveImage::State::show() {
                             : splatView(*built, level->view, cache, weight);
     progress.uncovered = 0;
     if (!level->full) {
-        if (!level->hinted) {
+        if (!level->hinted && hints) {
             level->hinted = hints->at(receivers);
         }
-        progress.uncovered = serveByHints(receivers, *level->hinted, splat);
+        if (level->hinted) {
+            progress.uncovered = serveByHints(receivers, *level->hinted, splat);
+        }
     }
     progress.seconds.splat += splat_timer.seconds();
     const Timer compose_timer;

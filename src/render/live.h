@@ -27,7 +27,7 @@ struct LiveProgress {
     bool complete = false;      ///< as Session::render() would make it
     int records = 0;            ///< that serve the frame
     int records_new = 0;        ///< of these, gathered since it began
-    int uncovered = 0;          ///< pixels served by records that are too far off to be right
+    int uncovered = 0;          ///< pixels that no record serves yet: hints light them
     double estimated_rel_rmse =
         std::numeric_limits<double>::quiet_NaN();  ///< of the indirect light, once it is complete;
                                                    ///< else NaN
@@ -61,10 +61,10 @@ class LiveImage {
 
     const Frame& frame() const;
     const LiveProgress& progress() const;
-    /// Those that serve the frame.
+    /// Those that served the last frame before it was complete, or it, if it is not.
     std::vector<LiveMark> marks() const;
     /// Of a place of the image, (0, 0) its upper left, (1, 1) its lower right corner: of the whole
-    /// image's pixel there, by the records that serve the frame. None before the first frame, and
+    /// image's pixel there, by the records of marks(). None before the first frame, and
     /// for a place outside.
     std::optional<PixelParts> partsAt(const vec2& place) const;
     /// Of the spherical harmonics that each pixel of the frame asks for.

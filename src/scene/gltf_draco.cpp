@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <new>
+#include <exception>
+#include <limits>
 #include <optional>
 
 #include "core/memory.h"
@@ -54,6 +55,36 @@ std::optional<std::vector<unsigned char>> storedValues(const draco::PointAttribu
     }
 }
 
+// A number as Draco stores it, seven bits a byte.
+uint64_t takeVarint(ByteSpan& bytes) {
+    uint64_t number = 0;
+    for (int shift = 0; shift < 35 && bytes.size > 0; shift += 7) {
+        const unsigned char byte = *bytes.data++;
+        --bytes.size;
+        number |= uint64_t{byte & 0x7fu} << shift;
+        if (byte < 0x80) {
+            return number;
+        }
+    }
+    return std::numeric_limits<uint64_t>::max();  // none
+}
+
+// The more of vertices and faces that a stream of version 2.2 promises; the decoder takes memory
+// for as many before it looks for them. 0 for other versions, and where metadata come first.
+uint64_t promisedCount(ByteSpan bytes) {
+    constexpr size_t kHeader = 11;  // magic, version, kind, method, flags
+    constexpr unsigned char kMetadata = 0x80;
+    if (bytes.size < kHeader + 1 || bytes.data[5] != 2 || bytes.data[6] != 2 ||
+        (bytes.data[10] & kMetadata) != 0) {
+        return 0;
+    }
+    const bool edgebreaker = bytes.data[8] == 1;
+    const size_t begin = kHeader + (edgebreaker ? 1 : 0);  // which traversal
+    ByteSpan rest{bytes.data + begin, bytes.size - begin};
+    const uint64_t first = takeVarint(rest);
+    return std::max(first, takeVarint(rest));
+}
+
 // A mesh; null where the bytes are broken.
 std::unique_ptr<draco::Mesh> decoded(ByteSpan bytes) {
     draco::DecoderBuffer buffer;
@@ -61,7 +92,7 @@ std::unique_ptr<draco::Mesh> decoded(ByteSpan bytes) {
     try {
         auto mesh = draco::Decoder().DecodeMeshFromBuffer(&buffer);
         return mesh.ok() ? std::move(mesh).value() : nullptr;
-    } catch (const std::bad_alloc&) {
+    } catch (const std::exception&) {
         return nullptr;  // it promised more than there can be
     }
 }
@@ -98,7 +129,7 @@ class Primitive {
     void decompress() {
         const ByteSpan bytes = bufferViewBytes(
             file_, integerMember(file_, extension_, "bufferView", -1, where_), where_);
-        checkCounts(bytes.size);
+        checkCounts(bytes);
         mesh_ = decoded(bytes);
         if (!mesh_) {
             file_.fail(where_, "{} cannot be decompressed; copy or export the file again", kName);
@@ -111,14 +142,18 @@ class Primitive {
 
   private:
     // No encoder packs more vertices into a byte, so that little in a file cannot ask for much.
-    void checkCounts(size_t bytes) const {
+    void checkCounts(ByteSpan bytes) const {
         constexpr uint64_t kMostOfByte = 1024;
+        if (promisedCount(bytes) > kMostOfByte * bytes.size) {
+            file_.fail(where_, "{} of {} bytes cannot hold what it promises; export the file again",
+                       kName, bytes.size);
+        }
         for (const auto& [name, accessor] : primitive_.attributes) {
             const uint64_t count =
                 file_.at(file_.model.accessors, accessor, where_, "accessor").count;
-            if (count > kMostOfByte * bytes) {
+            if (count > kMostOfByte * bytes.size) {
                 file_.fail(where_, "{} of {} bytes cannot hold {} vertices; export the file again",
-                           kName, bytes, count);
+                           kName, bytes.size, count);
             }
             checkMemory({.bytes = count * sizeof(vec4)}, file_.path, "split the scene");
         }

@@ -24,7 +24,7 @@ bool sameView(const Camera& a, const Camera& b) {
 bool fade(const Image<vec3>& wanted, Image<vec3>& seen) {
     float mean = 0.0f;
     for (const vec3& v : wanted.pixels) {
-        mean += luminance(v);
+        mean += finite(v) ? luminance(v) : 0.0f;
     }
     mean /= static_cast<float>(std::max<size_t>(wanted.pixels.size(), 1));
     bool arrived = true;
@@ -32,7 +32,8 @@ bool fade(const Image<vec3>& wanted, Image<vec3>& seen) {
         const vec3 step = wanted.pixels[i] - seen.pixels[i];
         const float most = std::max(luminance(seen.pixels[i]), mean);
         const float length = std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)});
-        if (length <= kFade * most) {
+        // All at once where everything goes dark, and where there is no number.
+        if (!(length > kFade * most) || !(mean > 0.0f) || !finite(step)) {
             seen.pixels[i] = wanted.pixels[i];
             continue;
         }
@@ -205,7 +206,7 @@ void LiveThread::runJobs(std::vector<Job> jobs) {
     for (const Job& job : jobs) {
         try {
             job.run(*image_);
-        } catch (const Error& e) {
+        } catch (const std::exception& e) {
             const std::lock_guard<std::mutex> lock(mutex_);
             error_ = e.what();
         }

@@ -51,7 +51,7 @@ bool choose(const char* label, std::initializer_list<std::pair<int, const char*>
 
 bool qualityPanel(RenderParams& p) {
     bool changed = ImGui::SliderFloat("accuracy", &p.placement.accuracy, 0.05f, 2.0f, "%.2f",
-                                      ImGuiSliderFlags_Logarithmic);
+                                      ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     changed |= choose("bounces", {{1, "1"}, {2, "2"}, {3, "3"}, {kAllBounces, "all"}}, p.bounces);
     changed |=
         choose("SH order", {{0, "by material"}, {2, "2"}, {3, "3"}, {4, "4"}, {6, "6"}, {10, "10"}},
@@ -69,7 +69,8 @@ void displayPanel(DisplaySettings& s, const Shown* shown, bool& records) {
             by_image ? std::nullopt : std::optional(shown != nullptr ? shown->exposure : 0.0f);
     }
     if (s.exposure) {
-        ImGui::SliderFloat("stops", &*s.exposure, -12.0f, 12.0f, "%.1f");
+        ImGui::SliderFloat("stops", &*s.exposure, -12.0f, 12.0f, "%.1f",
+                           ImGuiSliderFlags_AlwaysClamp);
     }
     int tone = static_cast<int>(s.tone);
     if (choose("tone curve",
@@ -78,8 +79,8 @@ void displayPanel(DisplaySettings& s, const Shown* shown, bool& records) {
                tone)) {
         s.tone = static_cast<ToneCurve>(tone);
     }
-    ImGui::SliderFloat("direct", &s.direct, 0.0f, 4.0f, "%.2f");
-    ImGui::SliderFloat("indirect", &s.indirect, 0.0f, 4.0f, "%.2f");
+    ImGui::SliderFloat("direct", &s.direct, 0.0f, 4.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
+    ImGui::SliderFloat("indirect", &s.indirect, 0.0f, 4.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::BeginCombo("channel", kChannels[static_cast<size_t>(s.channel)].name)) {
         for (const ChannelName& c : kChannels) {
             if (ImGui::Selectable(c.name, c.channel == s.channel)) {
@@ -130,9 +131,12 @@ bool materialsPanel(ViewerState& state) {
         ImGui::EndCombo();
     }
     MaterialParams& m = state.materials[static_cast<size_t>(state.material)];
-    bool changed = ImGui::SliderFloat("roughness", &m.roughness, 0.0f, 1.0f);
-    changed |= ImGui::SliderFloat("metallic", &m.metallic, 0.0f, 1.0f);
+    bool changed = ImGui::SliderFloat("roughness", &m.roughness, 0.0f, 1.0f, "%.3f",
+                                      ImGuiSliderFlags_AlwaysClamp);
+    changed |= ImGui::SliderFloat("metallic", &m.metallic, 0.0f, 1.0f, "%.3f",
+                                  ImGuiSliderFlags_AlwaysClamp);
     changed |= ImGui::ColorEdit3("base colour", &m.base_color.x, ImGuiColorEditFlags_Float);
+    m.base_color = glm::clamp(m.base_color, vec3(0.0f), vec3(1.0f));  // what is typed too
     return changed;
 }
 
@@ -246,7 +250,8 @@ Wishes drawPanels(ViewerState& state, const Shown* fresh, const Shown* shown, fl
             ImGui::PopID();
         }
         float degrees = glm::degrees(y_fov);
-        if (ImGui::SliderFloat("field of view", &degrees, 5.0f, 120.0f, "%.0f")) {
+        if (ImGui::SliderFloat("field of view", &degrees, 5.0f, 120.0f, "%.0f",
+                               ImGuiSliderFlags_AlwaysClamp)) {
             wishes.y_fov = glm::radians(degrees);
         }
     }

@@ -50,6 +50,7 @@ std::string freeName(const std::string& scene, const char* extension) {
 // A scene that is looked at.
 struct Opened {
     std::string file;
+    Bounds bounds;  // of the scene
     CameraControl control;
     ViewerState state;
     std::unique_ptr<LiveThread> live;
@@ -72,6 +73,7 @@ struct Opened {
     }
     Opened(const ViewerParams& params, const std::string& path, const ivec2& size, Scene scene)
         : file(path),
+          bounds(scene.bounds),
           control(viewOf(scene, params.render), scene.bounds),
           state(stateOf(scene, sized(params.render, size), params.display)) {
         auto image = std::make_unique<LiveImage>(std::move(scene), state.render);
@@ -148,6 +150,9 @@ class Viewer {
             drop(path);
         }
         if (std::string error = opened_->live->error(); !error.empty()) {
+            if (benchmark_ || !params_.screenshot.empty()) {
+                throwEnvironment("view: {}", error);  // no hand is there to try again
+            }
             tell(std::move(error));
         }
     }
@@ -219,11 +224,7 @@ class Viewer {
     }
 
     void goTo(const Camera& camera) {
-        Bounds around;
-        const float size = opened_->control.scale();
-        around.lower = vec3(camera.world_from_camera[3]) - 0.5f * vec3(size);
-        around.upper = vec3(camera.world_from_camera[3]) + 0.5f * vec3(size);
-        opened_->control = CameraControl(camera, around);
+        opened_->control = CameraControl(camera, opened_->bounds);
         postCamera();
     }
 
@@ -241,10 +242,11 @@ class Viewer {
     }
 
     void saveExr() {
-        const std::string path = freeName(opened_->file, "exr");
-        opened_->live->post(
-            [path](LiveImage& image) { writeExr(path, image.frame(), ExrLayers::kBasic); });
-        tell(fmt::format("writing {}", path));
+        const std::string scene = opened_->file;
+        opened_->live->post([scene](LiveImage& image) {
+            writeExr(freeName(scene, "exr"), image.frame(), ExrLayers::kBasic);
+        });
+        tell("writing an EXR");
     }
 
     void sayCamera() {

@@ -129,12 +129,6 @@ ivec2 Window::pixels() const {
     return size;
 }
 
-float Window::density() const {
-    ivec2 size(0);
-    glfwGetWindowSize(window_, &size.x, &size.y);
-    return static_cast<float>(pixels().x) / static_cast<float>(std::max(size.x, 1));
-}
-
 std::vector<std::string> Window::dropped() { return std::exchange(dropped_, {}); }
 
 std::vector<Window::Key> Window::pressed() { return std::exchange(pressed_, {}); }
@@ -154,6 +148,9 @@ void Window::draw(const Image<Rgb8>* image, const std::function<void()>& interfa
         glfwWaitEventsTimeout(wait);
     } else {
         glfwPollEvents();
+    }
+    if (image == nullptr) {
+        uploaded_ = nullptr;
     }
     if (image != nullptr && !image->empty() && image != uploaded_) {
         upload(*image);

@@ -24,8 +24,6 @@ class Window {
     void setTitle(const std::string& title);
     /// Of what is drawn, in pixels, which on some screens are finer than the window's units.
     ivec2 pixels() const;
-    /// Pixels a unit of the window.
-    float density() const;
 
     /// Draws one frame: `image`, over all of it, and what `interface` asks Dear ImGui for. Waits
     /// for something to happen, up to so many seconds.
