@@ -40,6 +40,39 @@ ivec2 writtenSize(const RenderOptions& o) {
     return o.part ? o.part->size : ivec2(o.params.width, o.params.height);
 }
 
+// What the cache did.
+void printCached(const RenderOptions& o, const RenderStats& stats) {
+    fmt::print("gather    {}\n", o.gather);
+    if (stats.elements > 0) {
+        fmt::print("bounces   {}: kept at {} elements, none near for {:.2g}% of what asks them\n",
+                   o.bounces, stats.elements, 100.0 * stats.elements_missed_share);
+    }
+    if (stats.caustic_photons > 0) {
+        fmt::print("caustics  {} photons of {} met what is seen\n", stats.caustic_photons,
+                   o.params.caustics);
+    }
+    if (std::isfinite(stats.estimated_rel_rmse)) {
+        fmt::print("estimate  rel_rmse of the indirect light {:.1f}% ({:.1f} to {:.1f}%)\n",
+                   100 * stats.estimated_rel_rmse, 100 * stats.estimate_low,
+                   100 * stats.estimate_high);
+    } else {
+        fmt::print("estimate  none: no indirect light is seen\n");
+    }
+    if (o.params.target_error > 0.0 || o.params.time_limit > 0.0) {
+        fmt::print("accuracy  {:.3g}, found in {} passes\n", stats.accuracy, stats.passes);
+    }
+    fmt::print(
+        "pixels    diffuse {:.1f}%, corrected by rays {:.1f}%, too glossy for the cache "
+        "{:.1f}%\n",
+        100.0 * stats.diffuse_share, 100.0 * stats.corrected_share, 100.0 * stats.too_glossy_share);
+    if (o.params.aa > 1) {
+        fmt::print("edges     {} pixels of {} samples; {} records for what no pixel sees\n",
+                   stats.pixels_edges, o.params.aa, stats.edge_records);
+    }
+    fmt::print("materials {}\n", orderSummary(stats.sh_order));
+    fmt::print("renderer  {}, {} threads\n", stats.gl_renderer, threadCount());
+}
+
 }  // namespace
 
 void warnOf(const RenderOptions& o, const Scene& scene, const RenderResult& result, double limit) {
@@ -171,37 +204,7 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
                    stats.pixels_uncovered, stats.pixels_geometry);
     }
     if (usesCache(o.params.method)) {
-        fmt::print("gather    {}\n", o.gather);
-        if (stats.elements > 0) {
-            fmt::print(
-                "bounces   {}: kept at {} elements, none near for {:.2g}% of what asks them\n",
-                o.bounces, stats.elements, 100.0 * stats.elements_missed_share);
-        }
-        if (stats.caustic_photons > 0) {
-            fmt::print("caustics  {} photons of {} met what is seen\n", stats.caustic_photons,
-                       o.params.caustics);
-        }
-        if (std::isfinite(stats.estimated_rel_rmse)) {
-            fmt::print("estimate  rel_rmse of the indirect light {:.1f}% ({:.1f} to {:.1f}%)\n",
-                       100 * stats.estimated_rel_rmse, 100 * stats.estimate_low,
-                       100 * stats.estimate_high);
-        } else {
-            fmt::print("estimate  none: no indirect light is seen\n");
-        }
-        if (o.params.target_error > 0.0 || o.params.time_limit > 0.0) {
-            fmt::print("accuracy  {:.3g}, found in {} passes\n", stats.accuracy, stats.passes);
-        }
-        fmt::print(
-            "pixels    diffuse {:.1f}%, corrected by rays {:.1f}%, too glossy for the cache "
-            "{:.1f}%\n",
-            100.0 * stats.diffuse_share, 100.0 * stats.corrected_share,
-            100.0 * stats.too_glossy_share);
-        if (o.params.aa > 1) {
-            fmt::print("edges     {} pixels of {} samples; {} records for what no pixel sees\n",
-                       stats.pixels_edges, o.params.aa, stats.edge_records);
-        }
-        fmt::print("materials {}\n", orderSummary(stats.sh_order));
-        fmt::print("renderer  {}, {} threads\n", stats.gl_renderer, threadCount());
+        printCached(o, stats);
     }
     if (stats.negative_pixels > 0) {
         fmt::print("clamped   {} negative pixels\n", stats.negative_pixels);
