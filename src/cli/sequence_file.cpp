@@ -39,7 +39,8 @@ const char* differenceOf(const SequenceKey& a, const SequenceKey& b) {
 
 std::string optionsText(const CLI::App& app) {
     std::string text;
-    const bool viewed = app.get_option("--view")->count() > 0;
+    const CLI::Option* view = app.get_option_no_throw("--view");
+    const bool viewed = view != nullptr && view->count() > 0;
     for (const CLI::Option* option : app.get_options()) {
         const std::string name = option->get_name();
         if (name == "--ocio") {
