@@ -88,8 +88,12 @@ void printSequence(const std::vector<int>& frames, const std::vector<Comparison>
 ExitCode runSequence(const CompareOptions& o) {
     const FrameNames tests = parseFrameNames("IMAGE", o.test);
     const FrameNames references = parseFrameNames("REFERENCE", o.reference);
-    checkOutputs({{"--json", o.json}}, {});
     const std::vector<int> frames = framesOfBoth(o, tests, references);
+    std::vector<std::string> inputs;
+    for (const int frame : frames) {
+        inputs.insert(inputs.end(), {tests(frame), references(frame)});
+    }
+    checkOutputs({{"--json", o.json}}, inputs);
     std::vector<Comparison> comparisons;
     FlickerMeter meter;
     Json list = Json::array();

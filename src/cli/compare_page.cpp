@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "chart/report.h"
@@ -157,7 +158,14 @@ void warnOfMissing(const std::set<std::string>& here, const std::set<std::string
 ExitCode comparePage(const std::string& tests, const std::string& references,
                      const std::string& layer, const std::string& page, const std::string& json) {
     const std::set<std::string> of_tests = imagesIn(tests), of_references = imagesIn(references);
-    checkOutputs({{"--page", page}, {"--json", json}}, {});
+    std::vector<std::string> inputs;
+    for (const auto& [folder, names] :
+         {std::pair(tests, of_tests), std::pair(references, of_references)}) {
+        for (const std::string& name : names) {
+            inputs.push_back((fs::path(folder) / name).string());
+        }
+    }
+    checkOutputs({{"--page", page}, {"--json", json}}, inputs);
     warnOfMissing(of_tests, of_references, references);
     warnOfMissing(of_references, of_tests, tests);
     std::vector<Row> rows;
