@@ -227,8 +227,8 @@ SHEEN_API sheen_status sheen_frame_figure(const sheen_frame* frame, const char* 
                                           sheen_error* error);
 
 /** Writes the frame to a file, .exr or .png by its name, which appears whole or not at all. An EXR
- * has the layers that the frame was rendered with ("layers"). Options, of a PNG: exposure, tone, view, ocio
- * (default: what the environment variable OCIO names). */
+ * has the layers that the frame was rendered with ("layers"). Options, of a PNG: exposure, tone,
+ * view, ocio (default: what the environment variable OCIO names). */
 SHEEN_API sheen_status sheen_frame_write(const sheen_frame* frame, const char* path,
                                          const sheen_option* options, size_t option_count,
                                          sheen_error* error);
