@@ -27,6 +27,9 @@ uint32_t seedAt(const Scene& scene, uint32_t triangle, const vec3& position, flo
         const float level = std::round(std::log2(glm::length(edges[axis]) / (2.0f * footprint)));
         const float cells = std::exp2(glm::clamp(level, 0.0f, kFinestSeeds));
         const float cell = glm::clamp(std::floor(barycentric[axis] * cells), -1.0f, cells);
+        if (!std::isfinite(cell) || !std::isfinite(cells)) {
+            continue;  // of a triangle without area, which has no such places
+        }
         seed = pcgHash(seed + static_cast<uint32_t>(static_cast<int>(cell)));
         seed = pcgHash(seed + static_cast<uint32_t>(cells));
     }
