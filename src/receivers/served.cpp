@@ -76,7 +76,8 @@ PixelRect slabBounds(const PixelGrid& image, const vec3& center, float radius, c
         const double s0 = slab.tightened((x * z - root) / denominator, -1.0) / scale - leaning;
         const double s1 = slab.tightened((x * z + root) / denominator, 1.0) / scale - leaning;
         const auto pixel = [size](double s) {
-            return std::clamp((0.5 * s + 0.5) * size, -1.0, size + 1.0);
+            const double at = (0.5 * s + 0.5) * size;
+            return std::isnan(at) ? -1.0 : std::clamp(at, -1.0, size + 1.0);  // no number: nowhere
         };
         // A pixel counts where its centre may lie inside; one more on each side for rounding.
         low = std::clamp(static_cast<int>(std::floor(pixel(s0) - 0.5)), 0, size);
