@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "render/animation.h"
+#include "test_render.h"
 
 namespace sheen {
 namespace {
@@ -82,17 +83,6 @@ TEST(FrameSequence, APartOfTheImageIsThatOfThePart) {
 
 SequenceParams living(int longest) { return {.temporal = TemporalParams{.longest = longest}}; }
 
-double meanDifference(const Image<vec3>& a, const Image<vec3>& b) {
-    double squares = 0.0, sum = 0.0;
-    for (size_t i = 0; i < a.pixels.size(); ++i) {
-        const double d = luminance(a.pixels[i]) - luminance(b.pixels[i]);
-        squares += d * d;
-        sum += luminance(b.pixels[i]);
-    }
-    const auto n = static_cast<double>(a.pixels.size());
-    return std::sqrt(squares / n) / (sum / n);
-}
-
 TEST(LivingRecords, ASceneThatStandsStillHasTheSameBits) {
     AnimatedScene scene(sceneFile("doors.glb"));
     FrameSequence sequence(scene, kParams, living(3));
@@ -122,7 +112,7 @@ TEST(LivingRecords, FewerAreGatheredAndTheImageIsAsGood) {
                   alone.stats.records * 2 / 3)
             << frame;
         EXPECT_GT(stats.records_renewed, 0) << frame;
-        EXPECT_LT(meanDifference(result.frame.indirect, alone.frame.indirect), 0.06) << frame;
+        EXPECT_LT(relativeRms(result.frame.indirect, alone.frame.indirect), 0.06) << frame;
     }
 }
 
@@ -134,7 +124,7 @@ double ghostOf(int longest) {
         sequence.render(frame);
     }
     const RenderResult alone = renderFrame(sceneAt(sceneFile("doors.glb"), 20 / 24.0), kParams);
-    return meanDifference(sequence.render(20).frame.indirect, alone.frame.indirect);
+    return relativeRms(sequence.render(20).frame.indirect, alone.frame.indirect);
 }
 
 TEST(LivingRecords, LightThatWasNotForeseenIsNoticed) {

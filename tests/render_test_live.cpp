@@ -33,18 +33,6 @@ int finish(LiveImage& live) {
     return steps;
 }
 
-double relativeRms(const Image<vec3>& a, const Image<vec3>& b) {
-    EXPECT_EQ(a.pixels.size(), b.pixels.size());
-    double squares = 0.0, sum = 0.0;
-    for (size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i) {
-        const double d = luminance(a.pixels[i]) - luminance(b.pixels[i]);
-        squares += d * d;
-        sum += luminance(b.pixels[i]);
-    }
-    const auto n = static_cast<double>(b.pixels.size());
-    return std::sqrt(squares / n) / (sum / n);
-}
-
 // Two images that each err by up to 3%.
 constexpr double kSameWithinErrors = 0.05;
 constexpr double kHintsWithin = 0.4;

@@ -58,17 +58,6 @@ TEST(Session, AFrameThatFailsLeavesItUsable) {
 
 // ---- Records that outlive frames ----------------------------------------------------------------
 
-double relativeRms(const Image<vec3>& a, const Image<vec3>& b) {
-    double squares = 0.0, sum = 0.0;
-    for (size_t i = 0; i < a.pixels.size(); ++i) {
-        const double d = luminance(a.pixels[i]) - luminance(b.pixels[i]);
-        squares += d * d;
-        sum += luminance(b.pixels[i]);
-    }
-    const auto n = static_cast<double>(a.pixels.size());
-    return std::sqrt(squares / n) / (sum / n);
-}
-
 TEST(KeptRecordsOfASession, TheSameViewGathersNothingAndHasTheSameBits) {
     const Scene scene = glossyRoom();
     for (const int bounces : {1, kAllBounces}) {

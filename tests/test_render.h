@@ -1,12 +1,30 @@
 // Rendering small scenes in tests.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
 #include "render/render.h"
 #include "test_scenes.h"
 
 namespace sheen {
 
 constexpr GatherRoad kRoads[] = {GatherRoad::kRays, GatherRoad::kRaster};
+
+/// Root mean square of the difference of two images' luminance over the mean of the second's.
+inline double relativeRms(const Image<vec3>& a, const Image<vec3>& b) {
+    EXPECT_EQ(a.pixels.size(), b.pixels.size());
+    double squares = 0.0, sum = 0.0;
+    for (size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i) {
+        const double d = luminance(a.pixels[i]) - luminance(b.pixels[i]);
+        squares += d * d;
+        sum += luminance(b.pixels[i]);
+    }
+    const auto n = static_cast<double>(b.pixels.size());
+    return std::sqrt(squares / n) / (sum / n);
+}
 
 /// In messages of failed tests.
 inline const char* nameOf(GatherRoad road) {

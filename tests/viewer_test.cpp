@@ -169,8 +169,11 @@ TEST(LiveThread, JobsThatReplaceEachOtherRunOnceAndErrorsAreKept) {
     waitUntilIdle(live);
     EXPECT_EQ(last, 50);
     EXPECT_LT(runs, 50);
-    EXPECT_EQ(live.error(), "scene.glb: a broken thing; mend it");
-    EXPECT_EQ(live.error(), "");
+    const std::optional<Failure> failure = live.failure();
+    ASSERT_TRUE(failure);
+    EXPECT_EQ(failure->message, "scene.glb: a broken thing; mend it");
+    EXPECT_EQ(failure->code, ExitCode::kInput);
+    EXPECT_FALSE(live.failure());
     EXPECT_TRUE(live.shown()->progress.complete);  // and goes on
 }
 

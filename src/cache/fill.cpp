@@ -18,12 +18,7 @@ RecordSite siteOf(const Scene& scene, const PlacedRecords& placed, const SiteCho
                               : choice.radius * placed.params().accuracy /
                                     receivers.footprints[choice.receiver];
     site.first = choice.first;
-    for (size_t k : choice.nearest) {
-        if (k != kNoRecord) {
-            const std::vector<Contrast>& found = placed.field().records[k].contrasts;
-            site.contrasts.insert(site.contrasts.end(), found.begin(), found.end());
-        }
-    }
+    addContrasts(placed.field(), choice.nearest, site);
     return site;
 }
 

@@ -13,12 +13,6 @@
 
 namespace sheen {
 
-/// So many records nearby tell a new one where to look closer.
-constexpr size_t kNearestRecords = 3;
-constexpr size_t kNoRecord = ~size_t{0};
-/// The nearest first; kNoRecord where there are fewer.
-using NearestRecords = std::array<size_t, kNearestRecords>;
-
 class PlacedRecords {
   public:
     /// Places the records of the field. All must outlive it.

@@ -1,7 +1,6 @@
 #include "cache/probes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -26,7 +25,6 @@ constexpr double kNineOfTen = 1.645;
 constexpr double kWidest = 3.0;
 // Rays of a probe's lobe over those of a pixel's.
 constexpr float kLobeRays = 1.0f;
-constexpr size_t kNearest = 3;  // records that tell where to look closer
 
 // The square of a pixel's error, in luminance, that is expected before probes tell.
 double expectedSquare(const NeighbourErrors& neighbours, const Receivers& receivers,
@@ -71,25 +69,6 @@ void chooseFrom(std::vector<Candidate>& candidates, size_t count, std::vector<Pr
         };
         for (; k < count && next() < passed; ++k) {
             probes.push_back({.pixel = c.pixel, .stands_for = static_cast<float>(step / c.weight)});
-        }
-    }
-}
-
-void addContrasts(const RecordField& field, RecordSite& site) {
-    std::array<std::pair<float, size_t>, kNearest> nearest;
-    nearest.fill({kInfinity, 0});
-    for (size_t k = 0; k < field.records.size(); ++k) {
-        const vec3 d = field.records[k].record.position - site.position;
-        const std::pair candidate(glm::dot(d, d), k);
-        if (candidate < nearest.back()) {
-            nearest.back() = candidate;
-            std::sort(nearest.begin(), nearest.end());
-        }
-    }
-    for (const auto& [distance2, k] : nearest) {
-        if (distance2 < kInfinity) {
-            const std::vector<Contrast>& found = field.records[k].contrasts;
-            site.contrasts.insert(site.contrasts.end(), found.begin(), found.end());
         }
     }
 }
@@ -191,7 +170,7 @@ void gatherProbes(const Scene& scene, const Receivers& receivers, const RecordFi
         const auto pixel = static_cast<size_t>(probes[static_cast<size_t>(k)].pixel);
         site = siteAt(scene, receivers, pixel, true);
         site.order = shared::DIFFUSE_ORDER;  // its own light is wanted, not what pixels around see
-        addContrasts(field, site);
+        addContrasts(field, nearestOf(field, site.position), site);
     });
     for (int half = 0; half < 2; ++half) {
         for (RecordSite& site : sites) {

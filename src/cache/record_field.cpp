@@ -65,6 +65,32 @@ int receiverOf(const Receivers& receivers, const GatheredRecord& found) {
 
 }  // namespace
 
+NearestRecords nearestOf(const RecordField& field, const vec3& p, size_t except) {
+    std::array<std::pair<float, size_t>, kNearestRecords> found;
+    found.fill({kInfinity, kNoRecord});
+    for (size_t k = 0; k < field.records.size(); ++k) {
+        const vec3 d = field.records[k].record.position - p;
+        const std::pair candidate(glm::dot(d, d), k);
+        if (k != except && candidate < found.back()) {
+            found.back() = candidate;
+            std::sort(found.begin(), found.end());
+        }
+    }
+    NearestRecords nearest;
+    std::transform(found.begin(), found.end(), nearest.begin(),
+                   [](const auto& each) { return each.second; });
+    return nearest;
+}
+
+void addContrasts(const RecordField& field, const NearestRecords& nearest, RecordSite& site) {
+    for (const size_t k : nearest) {
+        if (k != kNoRecord) {
+            const std::vector<Contrast>& found = field.records[k].contrasts;
+            site.contrasts.insert(site.contrasts.end(), found.begin(), found.end());
+        }
+    }
+}
+
 RecordField KeptRecords::take(const Receivers& receivers, const PlacementParams& params) {
     RecordField field;
     field.gather_size = gather_size_;

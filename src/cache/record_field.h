@@ -1,6 +1,7 @@
 // Records as they were gathered: of a view, and over many views.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,18 @@ struct RecordField {
     size_t of_clusters = 0;  ///< so many of the others were gathered for clusters (kmeans.h)
     int gather_size = 0;     ///< that they were gathered with, or more
 };
+
+/// So many records nearby tell a new one where to look closer.
+constexpr size_t kNearestRecords = 3;
+constexpr size_t kNoRecord = ~size_t{0};
+/// The nearest first; kNoRecord where there are fewer.
+using NearestRecords = std::array<size_t, kNearestRecords>;
+
+/// Of all records of the field but `except`, looked at one by one: for a few points.
+NearestRecords nearestOf(const RecordField& field, const vec3& p, size_t except = kNoRecord);
+
+/// Tells a site where light changes, by what these found.
+void addContrasts(const RecordField& field, const NearestRecords& nearest, RecordSite& site);
 
 /// Records that outlive views. What a record found does not depend on who looks, except what its
 /// own lobe sees beyond its coefficients: that counts only as long as it is looked at from where it

@@ -26,28 +26,6 @@ bool moves(const Ageing& ageing, uint32_t triangle) {
     return triangle < ageing.moved.size() && ageing.moved[triangle] != 0;
 }
 
-// What its neighbours found tells a record that is gathered anew where to look closer. Not what it
-// found itself: its rays are the same, and what they missed they would miss again.
-void hearNeighbours(const RecordField& field, size_t index, RecordSite& site) {
-    std::array<std::pair<float, size_t>, kNearestRecords> nearest;
-    nearest.fill({kInfinity, kNoRecord});
-    for (size_t j = 0; j < field.records.size(); ++j) {
-        const vec3 d = field.records[j].record.position - site.position;
-        std::pair<float, size_t> candidate(glm::dot(d, d), j);
-        for (auto& near : nearest) {
-            if (j != index && candidate < near) {
-                std::swap(candidate, near);
-            }
-        }
-    }
-    for (const auto& [distance, j] : nearest) {
-        if (j != kNoRecord) {
-            const std::vector<Contrast>& found = field.records[j].contrasts;
-            site.contrasts.insert(site.contrasts.end(), found.begin(), found.end());
-        }
-    }
-}
-
 // [record]: whose light has changed by more than a life allows, foreseen or not. Those of this
 // frame, and of frames that differ by cameras alone, have age 0.
 std::vector<uint8_t> outdated(const RecordField& field, const TemporalParams& params,
@@ -152,7 +130,9 @@ size_t renew(const Scene& scene, const Receivers& receivers, const PlacementPara
         site.reach = std::clamp(
             allowedRadius(found, placement, receivers.height(i)) * placement.accuracy / footprint,
             placement.min_pixels, placement.max_pixels);
-        hearNeighbours(field, k, site);
+        // Not what it found itself: its rays are the same, and what they missed they would miss
+        // again.
+        addContrasts(field, nearestOf(field, site.position, k), site);
         ended.push_back(k);
         sites.push_back(std::move(site));
     }

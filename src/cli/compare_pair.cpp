@@ -90,6 +90,7 @@ ComparedPair::ComparedPair(const std::string& test_path, const std::string& refe
     of_reference = layerOf(reference, layer);
     variance = varianceOf(reference, layer);
 }
+
 CompareInput ComparedPair::input() const {
     return {.test = of_test,
             .reference = of_reference,

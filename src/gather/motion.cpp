@@ -55,15 +55,25 @@ vec3 Motion::Moving::at(const Hit& hit) const {
     return (1.0f - hit.u - hit.v) * corners[0] + hit.u * corners[1] + hit.v * corners[2];
 }
 
-Motion::Motion(const Scene& scene, std::span<const vec3> next) : moves_(scene.triangles.size()) {
-    SHEEN_CHECK_EQ(next.size(), scene.positions.size());
+std::vector<uint8_t> movedTriangles(const Scene& scene, std::span<const vec3> positions) {
+    SHEEN_CHECK_EQ(positions.size(), scene.positions.size());
+    const auto moved = [&](uint32_t vertex) {
+        return positions[vertex] != scene.positions[vertex];
+    };
+    std::vector<uint8_t> result;
+    for (const uvec3& t : scene.triangles) {
+        result.push_back(moved(t.x) || moved(t.y) || moved(t.z) ? 1 : 0);
+    }
+    return result;
+}
+
+Motion::Motion(const Scene& scene, std::span<const vec3> next)
+    : moves_(movedTriangles(scene, next)) {
     for (size_t i = 0; i < scene.triangles.size(); ++i) {
-        const uvec3& t = scene.triangles[i];
-        const auto moved = [&](uint32_t vertex) { return next[vertex] != scene.positions[vertex]; };
-        if (!moved(t.x) && !moved(t.y) && !moved(t.z)) {
+        if (moves_[i] == 0) {
             continue;
         }
-        moves_[i] = 1;
+        const uvec3& t = scene.triangles[i];
         const auto base = static_cast<uint32_t>(now_.scene.positions.size());
         for (int corner = 0; corner < 3; ++corner) {
             now_.scene.positions.push_back(scene.positions[t[corner]]);

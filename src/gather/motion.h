@@ -15,6 +15,9 @@
 
 namespace sheen {
 
+/// [triangle]: 1 where a vertex lies elsewhere in the other positions, [vertex].
+std::vector<uint8_t> movedTriangles(const Scene& scene, std::span<const vec3> positions);
+
 /// Safe to use from many threads.
 class Motion {
   public:

@@ -1,8 +1,7 @@
 #include "gather/shared_gather.h"
 
 #include <algorithm>
-#include <iterator>
-#include <utility>
+#include <type_traits>
 
 #include "core/bytes.h"
 #include "core/timer.h"
@@ -10,70 +9,52 @@
 namespace sheen {
 namespace {
 
-void put(ByteWriter& out, const RecordSite& site) {
-    out.put(site.position);
-    out.put(site.normal);
-    out.put(site.geometric_normal);
-    out.put(site.toward_viewer);
-    out.put(site.offset);
-    out.put(site.seed);
-    out.put(site.order);
-    out.put(site.lobe);
-    out.put(site.reach);
-    out.put(site.contrasts);
-    out.put(site.first);
+// Calls visit(member) for all that ranks tell each other of a site, or of what was found there.
+template <class Site, class Visit>
+void forMembersOfSite(Site& site, const Visit& visit) {
+    visit(site.position);
+    visit(site.normal);
+    visit(site.geometric_normal);
+    visit(site.toward_viewer);
+    visit(site.offset);
+    visit(site.seed);
+    visit(site.order);
+    visit(site.lobe);
+    visit(site.reach);
+    visit(site.contrasts);
+    visit(site.first);
 }
 
-RecordSite siteFrom(ByteReader& in) {
-    RecordSite site;
-    site.position = in.get<vec3>();
-    site.normal = in.get<vec3>();
-    site.geometric_normal = in.get<vec3>();
-    site.toward_viewer = in.get<vec3>();
-    site.offset = in.get<float>();
-    site.seed = in.get<uint32_t>();
-    site.order = in.get<int>();
-    site.lobe = in.get<SpecularLobe>();
-    site.reach = in.get<float>();
-    site.contrasts = in.get<std::vector<Contrast>>();
-    site.first = in.get<bool>();
-    return site;
-}
-
-void put(ByteWriter& out, const GatheredRecord& found) {
+template <class Found, class Visit>
+void forMembersOfRecord(Found& found, const Visit& visit) {
     SHEEN_CHECK(!found.later && found.witnesses.empty());
-    out.put(found.record);
-    out.put(found.toward_viewer);
-    out.put(found.sh);
-    out.put(found.curvature);
-    out.put(found.lobe_light);
-    out.put(found.lobe_texels);
-    out.put(found.contrasts);
-    out.put(found.eye);
+    visit(found.record);
+    visit(found.toward_viewer);
+    visit(found.sh);
+    visit(found.curvature);
+    visit(found.lobe_light);
+    visit(found.lobe_texels);
+    visit(found.contrasts);
+    visit(found.eye);
 }
 
-GatheredRecord recordFrom(ByteReader& in) {
-    GatheredRecord found;
-    found.record = in.get<Record>();
-    found.toward_viewer = in.get<vec3>();
-    found.sh = in.get<std::vector<float>>();
-    found.curvature = in.get<float>();
-    found.lobe_light = in.get<vec3>();
-    found.lobe_texels = in.get<float>();
-    found.contrasts = in.get<std::vector<Contrast>>();
-    found.eye = in.get<vec3>();
-    return found;
+auto writerTo(ByteWriter& out) {
+    return [&out](const auto& member) { out.put(member); };
+}
+
+auto readerFrom(ByteReader& in) {
+    return [&in](auto& member) { member = in.get<std::remove_reference_t<decltype(member)>>(); };
 }
 
 // A unit: sites; the answer: their records.
 std::string gatherUnit(Gatherer& own, const std::string& unit) {
     std::vector<RecordSite> sites;
     for (ByteReader in(unit); !in.atEnd();) {
-        sites.push_back(siteFrom(in));
+        forMembersOfSite(sites.emplace_back(), readerFrom(in));
     }
     ByteWriter out;
     for (const GatheredRecord& found : own.gather(sites)) {
-        put(out, found);
+        forMembersOfRecord(found, writerTo(out));
     }
     return out.bytes();
 }
@@ -90,7 +71,7 @@ std::vector<GatheredRecord> SharedGatherer::gather(std::span<const RecordSite> s
         ByteWriter out;
         for (const RecordSite& site :
              sites.subspan(first, std::min(of_unit, sites.size() - first))) {
-            put(out, site);
+            forMembersOfSite(site, writerTo(out));
         }
         units.push_back(out.bytes());
     }
@@ -100,7 +81,7 @@ std::vector<GatheredRecord> SharedGatherer::gather(std::span<const RecordSite> s
         [&](size_t unit, const std::string& answer) {
             size_t k = unit * of_unit;
             for (ByteReader in(answer); !in.atEnd(); ++k) {
-                records.at(k) = recordFrom(in);
+                forMembersOfRecord(records.at(k), readerFrom(in));
             }
         });
     seconds_.see += timer.seconds();

@@ -60,7 +60,7 @@ vec3 RadianceHints::reflectedAt(const Receivers& receivers, size_t i, const floa
     if (f0 == vec3(0.0f) && f90 == 0.0f) {
         return vec3(0.0f);
     }
-    const vec3& n = receivers.normals[i];
+    const vec3& n = receivers.scatteringNormal(i);
     const vec3 wo = receivers.towardViewer(i);
     float lobe[9];
     rotator_.rotate(brdfSh(glm::dot(n, wo), receivers.roughness[i]), (f0.x + f0.y + f0.z) / 3.0f,
@@ -86,7 +86,8 @@ int RadianceHints::lightReceivers(const Receivers& receivers, size_t begin, size
     lookUp({places.data(), count}, numbers, unseen);
     for (size_t k = 0; k < count; ++k) {
         const float* own = &numbers[k * kMostHintNumbers];
-        light.irradiance[of[k]] = hintIrradiance(own, places[k].n, params_.order);
+        light.irradiance[of[k]] =
+            hintIrradiance(own, receivers.scatteringNormal(of[k]), params_.order);
         light.reflected[of[k]] = reflectedAt(receivers, of[k], own);
     }
     return unseen;

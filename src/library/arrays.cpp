@@ -11,6 +11,7 @@
 #include "core/directions.h"
 #include "core/error.h"
 #include "image/png.h"
+#include "scene/gltf_edit.h"
 
 namespace sheen::library {
 namespace {
@@ -310,7 +311,6 @@ class Writer {
                  {"matrix", matrixOf({x, glm::cross(z, x), z}, position)}});
     }
 
-    // Header, and a chunk each of JSON and binary data. [glTF 2.0, 4.4]
     std::string glb() {
         buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');
         if (!buffer_.empty()) {
@@ -318,22 +318,11 @@ class Writer {
         }
         std::string text = document_.dump(-1, ' ', false, Json::error_handler_t::replace);
         text.resize((text.size() + 3) / 4 * 4, ' ');
-        const uint64_t size = 12 + 8 + text.size() + 8 + buffer_.size();
-        if (size > std::numeric_limits<uint32_t>::max()) {
+        if (gltf::kGlbHeaders + text.size() + buffer_.size() >
+            std::numeric_limits<uint32_t>::max()) {
             fail("meshes", "take more than 4 GiB with their images; split the scene");
         }
-        std::string bytes = "glTF";
-        const auto number = [&](uint64_t value) {
-            const auto word = static_cast<uint32_t>(value);
-            bytes.append(reinterpret_cast<const char*>(&word), sizeof(word));
-        };
-        number(2);
-        number(size);
-        number(text.size());
-        bytes += "JSON" + text;
-        number(buffer_.size());
-        bytes.append("BIN\0", 4);
-        return bytes + buffer_;
+        return gltf::glbBeginning(text, buffer_.size()) + buffer_;
     }
 
     Json document_;

@@ -25,12 +25,7 @@ Ageing FrameSequence::ageingAt(int number) {
     Ageing ageing{.params = *sequence_.temporal};
     const Scene& scene = scene_.scene();
     if (change_ == SceneChange::kScene && places_) {
-        for (const uvec3& t : scene.triangles) {
-            const auto moved = [&](uint32_t vertex) {
-                return places_->positions[vertex] != scene.positions[vertex];
-            };
-            ageing.moved.push_back(moved(t.x) || moved(t.y) || moved(t.z) ? 1 : 0);
-        }
+        ageing.moved = movedTriangles(scene, places_->positions);
     }
     const auto next = scene_.positionsAt((number + 1) / sequence_.fps);
     // Where it cannot be told which surface is which, none is taken to move.

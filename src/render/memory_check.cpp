@@ -31,8 +31,9 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
     constexpr uint64_t kOfCoats = 130;  // receivers of their own
     constexpr uint64_t kOfMasks = 100;  // by material and object, all layers
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
+    const uint64_t masks = params.all_layers ? kOfMasks : 0;
     if (!usesRecords(params.method)) {
-        return kByPaths * pixels;
+        return (kByPaths + masks) * pixels;
     }
     std::vector<bool> used(scene.materials.size(), false);
     for (const uint32_t material : scene.materials_of) {
@@ -54,9 +55,9 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
         blended = blended || (used[i] && scene.materials[i].blended);
     }
     const uint64_t each =
-        kByRecords + (params.all_layers ? kOfMasks : 0) + (params.aa > 1 ? kOfEdges : 0) +
-        (emits(scene) ? kOfLamps : 0) + (order > shared::DIFFUSE_ORDER ? kByRays : 0) +
-        (coated ? kByRays + kOfCoats : 0) + kPerCoefficient * static_cast<uint64_t>(order * order);
+        kByRecords + masks + (params.aa > 1 ? kOfEdges : 0) + (emits(scene) ? kOfLamps : 0) +
+        (order > shared::DIFFUSE_ORDER ? kByRays : 0) + (coated ? kByRays + kOfCoats : 0) +
+        kPerCoefficient * static_cast<uint64_t>(order * order);
     return (blended ? 2 : 1) * each * pixels + kDrawn * std::min<uint64_t>(pixels, kBandPixels);
 }
 

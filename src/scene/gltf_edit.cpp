@@ -69,24 +69,29 @@ void dropExtension(Json& document, const char* array, const char* extension) {
     forgetExtension(document, extension);
 }
 
-void writeGlb(const std::string& path, const std::string& text,
-              const std::vector<unsigned char>& bytes) {
+std::string glbBeginning(const std::string& text, uint64_t bytes) {
     constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJson = 0x4e4f534a, kBin = 0x004e4942;
-    AtomicFile out(path);
+    std::string result;
     const auto word = [&](uint64_t value) {
         for (int i = 0; i < 4; ++i) {
-            const auto byte = static_cast<char>(value >> (8 * i) & 0xff);
-            out.write(&byte, 1);
+            result.push_back(static_cast<char>(value >> (8 * i) & 0xff));
         }
     };
     for (const uint64_t value :
-         {uint64_t{kMagic}, uint64_t{kVersion}, kGlbHeaders + text.size() + bytes.size(),
+         {uint64_t{kMagic}, uint64_t{kVersion}, kGlbHeaders + text.size() + bytes,
           uint64_t{text.size()}, uint64_t{kJson}}) {
         word(value);
     }
-    out.write(text);
-    word(bytes.size());
+    result += text;
+    word(bytes);
     word(kBin);
+    return result;
+}
+
+void writeGlb(const std::string& path, const std::string& text,
+              const std::vector<unsigned char>& bytes) {
+    AtomicFile out(path);
+    out.write(glbBeginning(text, bytes.size()));
     out.write(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     out.commit();
 }

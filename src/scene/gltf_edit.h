@@ -27,6 +27,10 @@ void dropExtension(Json& document, const char* array, const char* extension);
 /// Bytes of a .glb file beside its two chunks.
 constexpr uint64_t kGlbHeaders = 12 + 8 + 8;
 
+/// A .glb file up to the bytes of its binary chunk, which are so many. Both chunks' sizes must be
+/// multiples of four, and the whole below 4 GiB. [glTF 2.0, 4.4]
+std::string glbBeginning(const std::string& text, uint64_t bytes);
+
 /// Writes a .glb file of both chunks, whose sizes are multiples of four; it appears whole or not at
 /// all. Environment error where it cannot be written.
 void writeGlb(const std::string& path, const std::string& text,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sheen {
 namespace {
@@ -28,7 +29,7 @@ bool Benchmark::follow(const Shown& shown, LiveThread& live) {
         begin(shown, live);
         return false;
     }
-    if (phase_ == 2) {
+    if (phase_ == 2 && std::exchange(last_step_, shown.number) != shown.number) {
         ++steps_;
         for (const Stage& stage : kStages) {
             figures_.stages.*stage.seconds += shown.progress.seconds.*stage.seconds;

@@ -25,7 +25,8 @@ class Benchmark {
     ViewerFigures figures_;
     int phase_ = 0, frame_ = 0;
     double began_ = 0.0;
-    int steps_ = 0;  // of the last flight
+    int steps_ = 0;      // of the last flight
+    int last_step_ = 0;  // Shown::number of the last of them
 };
 
 }  // namespace sheen

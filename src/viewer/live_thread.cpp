@@ -197,18 +197,23 @@ bool LiveThread::idle() const {
     return idle_;
 }
 
-std::string LiveThread::error() {
+std::optional<Failure> LiveThread::failure() {
     const std::lock_guard<std::mutex> lock(mutex_);
-    return std::exchange(error_, {});
+    return std::exchange(failure_, std::nullopt);
+}
+
+// Of the exception that is being handled.
+void LiveThread::keepFailure() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    failure_ = failureOf(std::current_exception());
 }
 
 void LiveThread::runJobs(std::vector<Job> jobs) {
     for (const Job& job : jobs) {
         try {
             job.run(*image_);
-        } catch (const std::exception& e) {
-            const std::lock_guard<std::mutex> lock(mutex_);
-            error_ = e.what();
+        } catch (...) {
+            keepFailure();
         }
     }
 }
@@ -239,14 +244,14 @@ void LiveThread::work() {
         try {
             if (!image_->done() && !failed) {
                 image_->step(budget_);
+                ++steps_;
             } else if (!arrived) {
                 std::this_thread::sleep_for(std::chrono::duration<double>(budget_));
             }
             arrived = show(settings);
-        } catch (const std::exception& e) {
+        } catch (...) {
             failed = arrived = true;
-            const std::lock_guard<std::mutex> lock(mutex_);
-            error_ = e.what();
+            keepFailure();
         }
     }
 }
@@ -255,7 +260,7 @@ bool LiveThread::show(const DisplaySettings& settings) {
     auto shown = std::make_shared<Shown>();
     shown->progress = image_->progress();
     shown->camera = image_->camera();
-    shown->number = ++steps_;
+    shown->number = steps_;
     if (settings.marks) {
         shown->marks = image_->marks();
     }

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/failure.h"
 #include "core/timer.h"
 #include "image/tonemap.h"
 #include "render/live.h"
@@ -49,7 +50,7 @@ struct Shown {
     bool complete = false;  ///< LiveProgress::complete, and faded in
     std::vector<LiveMark> marks;
     double at = 0.0;  ///< seconds since the thread began
-    int number = 0;   ///< of the steps
+    int number = 0;   ///< of the step; what fades in, or is shown otherwise, is of the same
 };
 
 /// Jobs that replace each other (LiveThread::post()).
@@ -64,7 +65,7 @@ class LiveThread {
     LiveThread& operator=(const LiveThread&) = delete;
 
     /// Runs a job between two steps; of those not yet run of the same key, other than kNoKey, the
-    /// last one alone. An Error that it throws is kept for error().
+    /// last one alone. What it throws is kept for failure().
     void post(std::function<void(LiveImage&)> job, JobKey key = kNoKey);
     void display(const DisplaySettings& settings);
 
@@ -78,7 +79,7 @@ class LiveThread {
     /// Whether nothing is left to be done.
     bool idle() const;
     /// What went wrong last, once.
-    std::string error();
+    std::optional<Failure> failure();
 
   private:
     struct Job {
@@ -87,6 +88,7 @@ class LiveThread {
     };
     void work();
     void runJobs(std::vector<Job> jobs);
+    void keepFailure();
     bool show(const DisplaySettings& settings);
 
     const std::unique_ptr<LiveImage> image_;
@@ -99,7 +101,7 @@ class LiveThread {
     bool redisplay_ = false, stopping_ = false, idle_ = false;
     std::shared_ptr<const Shown> shown_;
     std::shared_ptr<const PixelParts> picked_;
-    std::string error_;
+    std::optional<Failure> failure_;
     // The thread's own.
     Image<vec3> seen_;  // as it is shown: follows the image in small steps
     Camera seen_by_;

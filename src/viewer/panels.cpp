@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "core/bounces.h"
 #include "raster/view.h"
@@ -215,7 +216,7 @@ ViewerState stateOf(const Scene& scene, const RenderParams& render,
 
 Wishes drawPanels(ViewerState& state, const Shown* fresh, const Shown* shown, float y_fov) {
     Wishes wishes;
-    if (fresh != nullptr) {
+    if (fresh != nullptr && std::exchange(state.last_step, fresh->number) != fresh->number) {
         state.frame_ms.push_back(static_cast<float>(1000.0 * fresh->progress.seconds.total));
         if (state.frame_ms.size() > kRemembered) {
             state.frame_ms.erase(state.frame_ms.begin());

@@ -21,6 +21,7 @@ struct ViewerState {
     int material = 0;  ///< that is shown
     bool shortcuts = false, panel = true, records = false;
     std::vector<float> frame_ms;  ///< of the last steps
+    int last_step = 0;            ///< whose time is among them
     std::string message;          ///< one line
 };
 

@@ -149,11 +149,11 @@ class Viewer {
         for (const std::string& path : window_.dropped()) {
             drop(path);
         }
-        if (std::string error = opened_->live->error(); !error.empty()) {
+        if (std::optional<Failure> failure = opened_->live->failure()) {
             if (benchmark_ || !params_.screenshot.empty()) {
-                throwEnvironment("view: {}", error);  // no hand is there to try again
+                throw Error(failure->code, failure->message);  // no hand is there to try again
             }
-            tell(std::move(error));
+            tell(std::move(failure->message));
         }
     }
 
