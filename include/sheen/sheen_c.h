@@ -20,6 +20,13 @@ extern "C" {
 
 #define SHEEN_API __attribute__((visibility("default")))
 
+/* A caller's number may be none of an enum's, which C++ allows where its type is fixed. */
+#ifdef __cplusplus
+#define SHEEN_IS_INT : int
+#else
+#define SHEEN_IS_INT
+#endif
+
 /** What became of a call; 0 to 4 are the program's exit codes. */
 typedef enum sheen_status {
     SHEEN_DONE = 0,
@@ -93,7 +100,7 @@ typedef struct sheen_mesh {
     int material;            /**< index; -1: white, diffuse */
 } sheen_mesh;
 
-typedef enum sheen_light_kind {
+typedef enum sheen_light_kind SHEEN_IS_INT {
     SHEEN_POINT_LIGHT = 0,
     SHEEN_SPOT_LIGHT = 1,
     SHEEN_DIRECTIONAL_LIGHT = 2
