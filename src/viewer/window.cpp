@@ -116,7 +116,8 @@ Window::~Window() {
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
     glfwDestroyWindow(window_);
-    glfwTerminate();
+    // GLFW is not ended: it would unload the driver of OpenGL, and what that keeps until the
+    // process ends would be lost.
 }
 
 bool Window::open() const { return glfwWindowShouldClose(window_) == GLFW_FALSE; }
