@@ -187,7 +187,7 @@ TEST_F(CliFilesTest, fullAndReadOnlyDisks) {
     for (const char* image : {"disk/old.exr", "disk/new.exr", "disk/new.png"}) {
         const Outcome run = call(fmt::format(
             "render scene.gltf --method reference --size 512x512 --spp 4 -o {}", image));
-        EXPECT_EQ(run.code, 4) << run.err;  // after lines of progress, on a slow machine
+        EXPECT_EQ(run.code, 4) << run.err;
         EXPECT_NE(run.err.find(fmt::format("sheen: error: {}: cannot write: No space left", image)),
                   std::string::npos)
             << run.err;

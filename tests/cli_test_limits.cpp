@@ -54,7 +54,7 @@ class CliLimitsTest : public CliTest {
         const int status = std::system(command.c_str());
         return {.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
                 .out = textOf(base_.path() / "out"),
-                .err = textOf(base_.path() / "err")};
+                .err = withoutProgress(textOf(base_.path() / "err"))};
     }
 
     // A black image comes with exactly one warning, and no estimate of its error.
