@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -224,6 +225,38 @@ TEST(Live, FramesLeakNothing) {
         }
     }
     EXPECT_LT(residentMemory() - before, kMostGrowth);
+}
+
+// What refines is given up when something else is wanted; what it found is kept.
+TEST(Live, AStepThatIsOutdatedEndsWithoutAFrame) {
+    LiveImage live(glossyRoom(), liveParams());
+    const std::atomic<bool> outdated = true;
+    live.step(0.0, &outdated);  // the first is seen in any case
+    ASSERT_FALSE(live.frame().indirect.empty());
+    live.step(0.0);
+    live.step(0.0);
+    const Frame before = live.frame();
+    const int records = live.progress().records;
+    ASSERT_GT(records, 0);
+    live.step(0.0, &outdated);
+    EXPECT_FALSE(live.done());
+    EXPECT_EQ(live.frame().indirect.pixels, before.indirect.pixels);
+    live.step(0.0);
+    EXPECT_GE(live.progress().records - live.progress().records_new, records);
+
+    while (live.progress().width < kSize || live.progress().uncovered > 0) {
+        live.step(0.01);
+    }
+    int stopped = 0;  // also in the step that completes it
+    for (; !live.done() && stopped < 100; ++stopped) {
+        live.step(0.01, &outdated);
+        live.step(0.01);
+    }
+    EXPECT_GT(stopped, 0);
+    finish(live);
+    EXPECT_LT(
+        relativeRms(live.frame().indirect, renderFrame(glossyRoom(), liveParams()).frame.indirect),
+        kSameWithinErrors);
 }
 
 TEST(Live, OtherMethodsAreRefused) {

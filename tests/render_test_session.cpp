@@ -94,6 +94,27 @@ TEST(KeptRecordsOfASession, AnotherViewGathersWhatIsMissingAlone) {
     EXPECT_GE(static_cast<int>(session.records().size()), reused.stats.records);
 }
 
+TEST(KeptRecordsOfASession, WhatWasSeenLongestAgoIsDroppedFirst) {
+    KeptRecords kept;
+    for (int k = 0; k < 10; ++k) {
+        RecordField field;
+        field.records.resize(1);
+        field.records[0].record.position.x = static_cast<float>(k);
+        field.pixels = {0};
+        kept.put(std::move(field));
+    }
+    kept.dropToLatest(20);
+    EXPECT_EQ(kept.size(), 10u);
+    kept.dropToLatest(3);
+    ASSERT_EQ(kept.size(), 3u);
+    for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(kept.records()[static_cast<size_t>(k)].record.position.x,
+                  static_cast<float>(7 + k));
+    }
+    kept.dropToLatest(0);
+    EXPECT_EQ(kept.size(), 0u);
+}
+
 TEST(KeptRecordsOfASession, OtherOptionsBeginAnew) {
     const Scene scene = glossyRoom();
     Session session(scene);

@@ -123,6 +123,12 @@ void KeptRecords::put(RecordField field) {
     std::move(field.records.begin(), field.records.end(), std::back_inserter(records_));
 }
 
+void KeptRecords::dropToLatest(size_t most) {
+    if (records_.size() > most) {  // what views have seen goes to the end
+        records_.erase(records_.begin(), records_.end() - static_cast<ptrdiff_t>(most));
+    }
+}
+
 void KeptRecords::beginFrame(Ageing ageing, bool older) {
     for (GatheredRecord& found : records_) {
         if (older) {

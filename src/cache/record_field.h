@@ -48,6 +48,8 @@ class KeptRecords {
     RecordField take(const Receivers& receivers, const PlacementParams& params);
     /// Keeps a view's.
     void put(RecordField field);
+    /// Drops those that views have not seen for longest, until so many are left at the most.
+    void dropToLatest(size_t most);
 
     /// Begins a frame of a scene that moves. `older`: something but cameras is different from the
     /// frame before, so that records are a frame older (growOlder()).

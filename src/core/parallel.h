@@ -2,6 +2,7 @@
 // never depends on the number of threads.
 #pragma once
 
+#include <atomic>
 #include <functional>
 
 namespace sheen {
@@ -9,6 +10,22 @@ namespace sheen {
 /// Number of threads used by everything parallel; 0 means one a hardware thread.
 void setThreadCount(int threads);
 int threadCount();
+
+/// Thrown by loops whose work is not wanted any more.
+struct Stopped {};
+
+/// While it lives, loops that this thread begins throw Stopped soon after `stop`, which another
+/// thread may set, has become true. Bodies that have begun are ended.
+class StopScope {
+  public:
+    explicit StopScope(const std::atomic<bool>& stop);
+    ~StopScope();
+    StopScope(const StopScope&) = delete;
+    StopScope& operator=(const StopScope&) = delete;
+
+  private:
+    const std::atomic<bool>* before_;
+};
 
 /// Calls body(i) for i in [0, count), in any order and on any thread; an exception of the body is
 /// rethrown here. `grain` is the smallest number of consecutive indices given to one thread.

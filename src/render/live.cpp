@@ -9,10 +9,12 @@
 
 #include "cache/scan.h"
 #include "core/error.h"
+#include "core/parallel.h"
 #include "core/timer.h"
 #include "render/hints.h"
 #include "render/memory_check.h"
 #include "render/pass.h"
+#include "splat/upsample.h"
 
 namespace sheen {
 namespace {
@@ -22,6 +24,8 @@ constexpr int kCoarsest = 8;
 // An image that stands is shown so seldom that gathering takes so many times what showing does.
 constexpr double kFillOverShow = 2.0;
 constexpr int kFinest = 2;  // of images of views that move
+// Records beyond those that a view sees: some hundred megabytes at the most.
+constexpr size_t kMostKept = 100'000;
 // Sites gathered at a time: few, so that a step ends in time.
 constexpr int kBatch = 16;
 // Of each volume: few, since they only stand in for records.
@@ -60,6 +64,16 @@ int nextSize(int divisor, double took) {
                             : divisor;
 }
 
+// What a coarse view's light is shown on: twice as many pixels along a side, of which each has
+// direct light and surfaces of its own.
+struct FinerPixels {
+    Receivers receivers;
+    Upsampling upsampling;
+
+    FinerPixels(Receivers receivers_, const Receivers& coarse)
+        : receivers(std::move(receivers_)), upsampling(coarse, receivers) {}
+};
+
 // A view at one size, while records are placed for it.
 struct Level {
     const RenderParams params;
@@ -70,16 +84,23 @@ struct Level {
     Scan scan;
     const size_t began_with;  // records
     bool full = false;
-    std::optional<HintLight> hinted;  // what its pixels get before records serve them
+    std::optional<HintLight> hinted;   // what its pixels get before records serve them
+    std::optional<FinerPixels> finer;  // that are shown; none: its own
 
-    Level(SceneState& state, const RenderParams& params_, KeptRecords* kept, StageSeconds& seconds)
+    // `shown`: of the pixels that are shown.
+    Level(SceneState& state, const RenderParams& params_, const RenderParams& shown,
+          KeptRecords* kept, StageSeconds& seconds)
         : params(params_),
           how(howOf(params_)),
           view(state, params_, seconds, kept),
           gatherer(prepare(state)),
           placed(state.scene, view.receivers, how, view.field),
           scan(view.receivers, how, view.field.records.empty(), true),
-          began_with(view.field.records.size()) {}
+          began_with(view.field.records.size()) {
+        if (shown.width > params.width || shown.height > params.height) {
+            finer.emplace(directlyLit(state, shown, seconds), view.receivers);
+        }
+    }
 
     static PlacementParams howOf(const RenderParams& params) {
         PlacementParams how = placementOf(params, params.placement.accuracy);
@@ -114,13 +135,6 @@ struct LiveImage::State {
     WeightParams weight{};
     Image<float> orders;
 
-    // Ends the level; its records are kept.
-    void retire() {
-        if (level) {
-            kept.put(std::move(level->view.field));
-            level.reset();
-        }
-    }
     void forget() {
         level.reset();
         kept = {};
@@ -135,10 +149,12 @@ struct LiveImage::State {
         return p;
     }
     void begin(int at) {
-        retire();
+        level.reset();  // its records are kept
+        kept.dropToLatest(kMostKept);
         divisor = at;
         shown = false;
-        level = std::make_unique<Level>(*built, paramsOf(at), &kept, progress.seconds);
+        level = std::make_unique<Level>(*built, paramsOf(at), paramsOf(std::max(at / 2, 1)), &kept,
+                                        progress.seconds);
     }
     RenderParams paramsOfWhole() const {
         RenderParams p = params;
@@ -246,16 +262,23 @@ void LiveImage::edit(const std::function<void(Scene&)>& change) {
     s_->changed = true;
 }
 
-void LiveImage::step(double seconds) {
+void LiveImage::step(double seconds, const std::atomic<bool>* outdated) {
     if (done()) {
         return;
     }
     const bool changed = std::exchange(s_->changed, false);
     s_->progress.complete = false;
     try {
+        std::optional<StopScope> stop;
+        if (outdated != nullptr && !changed) {
+            stop.emplace(*outdated);
+        }
         s_->step(changed, seconds);
+    } catch (const Stopped&) {
+        s_->level.reset();
+        s_->changed = true;
     } catch (...) {
-        s_->retire();
+        s_->level.reset();
         s_->changed = true;  // it begins anew
         throw;
     }
@@ -336,7 +359,7 @@ double LiveImage::State::fill(const Timer& timer, double seconds) {
 
 // What a level leaves out: edges, surfaces that light passes, an estimate of the error.
 void LiveImage::State::finish() {
-    retire();
+    level.reset();
     RenderResult result = renderByCache(*built, paramsOfWhole(), &kept);
     frame = std::move(result.frame);
     frame.shows_sky = scene.environment.shows();
@@ -368,20 +391,29 @@ void LiveImage::State::show() {
     progress.seconds.splat += splat_timer.seconds();
     const Timer compose_timer;
     frame = {};
-    compose(receivers, splat, specularByRays(level->view, splat, level->full), true, frame);
-    for (size_t i = 0; i < level->view.of_coats.pixels.size(); ++i) {
-        frame.indirect.pixels[i] += level->view.of_coats.pixels[i];
+    Image<vec3> specular = specularByRays(level->view, splat, level->full);
+    Image<vec3> of_coats = level->view.of_coats;
+    const Receivers& seen = level->finer ? level->finer->receivers : receivers;
+    if (level->finer) {
+        const Upsampling& upsampling = level->finer->upsampling;
+        splat = upsampling.of(splat);
+        specular = upsampling.of(specular);
+        of_coats = of_coats.empty() ? Image<vec3>() : upsampling.of(of_coats);
+    }
+    compose(seen, splat, specular, true, frame);
+    for (size_t i = 0; i < of_coats.pixels.size(); ++i) {
+        frame.indirect.pixels[i] += of_coats.pixels[i];
     }
     frame.shows_sky = scene.environment.shows();
     progress.seconds.compose += compose_timer.seconds();
-    progress.width = level->params.width;
-    progress.height = level->params.height;
+    progress.width = seen.image.width;
+    progress.height = seen.image.height;
     progress.records = static_cast<int>(cache.records.size());
     progress.records_new = static_cast<int>(level->view.field.records.size() - level->began_with);
     progress.estimated_rel_rmse = std::numeric_limits<double>::quiet_NaN();
     orders = Image<float>(progress.width, progress.height);
     for (size_t i = 0; i < orders.pixels.size(); ++i) {
-        orders.pixels[i] = std::max(static_cast<float>(receivers.orders[i]), 0.0f);
+        orders.pixels[i] = std::max(static_cast<float>(seen.orders[i]), 0.0f);
     }
     show_seconds = show_timer.seconds();
     shown = true;

@@ -3,6 +3,7 @@
 // new ones are gathered at a time.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -57,7 +58,9 @@ class LiveImage {
     bool done() const;
     /// Works for about so many seconds, at the least on one frame: coarse where something has just
     /// changed, as fine as that time allows; finer with each step that follows.
-    void step(double seconds);
+    /// `outdated`, unless null: set by another thread when something is about to change; a step
+    /// that refines what is seen then ends soon, without a frame, and the next begins anew.
+    void step(double seconds, const std::atomic<bool>* outdated = nullptr);
 
     const Frame& frame() const;
     const LiveProgress& progress() const;

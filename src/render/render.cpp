@@ -199,9 +199,6 @@ RenderResult renderStateByCache(SceneState& state, const StageSeconds& made_in,
         stats.elements = view.again->elementCount();
         stats.elements_missed_share = view.again->missedShare();
     }
-    if (kept != nullptr) {
-        kept->put(std::move(view.field));
-    }
     return result;
 }
 

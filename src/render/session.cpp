@@ -1,5 +1,7 @@
 #include "render/session.h"
 
+#include <new>
+
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "light/caustics.h"
@@ -40,6 +42,30 @@ Image<float> takeWhole(const Edges& edges, Image<float>& share) {
         }
     }
     return before;
+}
+
+GBuffer seenBy(const SceneState& state, const RenderParams& params, int veil,
+               StageSeconds& seconds) {
+    const StageTimer timer(seconds.gbuffer);
+    return renderGBuffer(state.tracer, viewOf(state.scene, params), params.width, params.height,
+                         veil);
+}
+
+// Direct light comes from rays where records use rays, else from shadow maps.
+void lightDirectly(SceneState& state, GBuffer& gbuffer, StageSeconds& seconds) {
+    const StageTimer timer(seconds.shadow);
+    if (state.road == GatherRoad::kRays) {
+        gbuffer.direct = directWithCoats(state.tracer, *state.lights, gbuffer);
+    } else {
+        lightGBuffer(state.pool, state.gpu, gbuffer);
+    }
+}
+
+Receivers pixelsOf(const SceneState& state, const RenderParams& params, GBuffer gbuffer,
+                   StageSeconds& seconds) {
+    const StageTimer timer(seconds.gbuffer);
+    return receiversOf(state.scene, std::move(gbuffer), params.sh_order,
+                       params.method == Method::kIrradiance);
 }
 
 // Indirect light of coats, which are seen at pixels' middles alone; empty where there are none.
@@ -130,41 +156,34 @@ SceneState::~SceneState() {
     });
 }
 
-// rays -> G-buffer -> receivers -> rays where the cache cannot follow. Direct light comes from rays
-// where records use rays, else from shadow maps.
+Receivers directlyLit(SceneState& state, const RenderParams& params, StageSeconds& seconds) {
+    GBuffer gbuffer = seenBy(state, params, 0, seconds);
+    lightDirectly(state, gbuffer, seconds);
+    return pixelsOf(state, params, std::move(gbuffer), seconds);
+}
+
+// rays -> G-buffer -> receivers -> rays where the cache cannot follow.
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
                      const ViewState* ground, KeptRecords* kept_)
     : kept(kept_) {
-    const Camera camera = viewOf(state.scene, params);
-    GBuffer gbuffer = timed(seconds.gbuffer, [&] {
-        return renderGBuffer(state.tracer, camera, params.width, params.height, veil);
-    });
+    GBuffer gbuffer = seenBy(state, params, veil, seconds);
     share = std::move(gbuffer.share);
     veils = gbuffer.veils;
     if (veil == 0) {  // what is prepared for the whole scene serves veils too
         state.prepareFor(nearBoxes(state.scene, gbuffer), seconds);
     }
+    lightDirectly(state, gbuffer, seconds);
     std::optional<Receivers> coats;
-    {
-        const StageTimer timer(seconds.shadow);
-        if (state.road == GatherRoad::kRays) {
-            gbuffer.direct = directWithCoats(state.tracer, *state.lights, gbuffer);
-            if (!gbuffer.coat.empty() && params.method == Method::kRadiance) {
-                coats = coatsOf(state.scene, gbuffer);
-            }
-        } else {
-            lightGBuffer(state.pool, state.gpu, gbuffer);
-        }
+    if (state.road == GatherRoad::kRays && !gbuffer.coat.empty() &&
+        params.method == Method::kRadiance) {
+        coats = coatsOf(state.scene, gbuffer);
     }
-    receivers = timed(seconds.gbuffer, [&] {
-        return receiversOf(state.scene, std::move(gbuffer), params.sh_order,
-                           params.method == Method::kIrradiance);
-    });
+    receivers = pixelsOf(state, params, std::move(gbuffer), seconds);
     Image<float> before;
     if (params.aa > 1) {
         const StageTimer timer(seconds.gbuffer);
-        edges = findEdges(state.tracer, *state.lights, camera, receivers, {veil, share},
-                          params.sh_order, params.aa);
+        edges = findEdges(state.tracer, *state.lights, viewOf(state.scene, params), receivers,
+                          {veil, share}, params.sh_order, params.aa);
         before = takeWhole(*edges, share);
     }
     checkSplat(state.pool, receivers);
@@ -189,6 +208,16 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         SpecularParams alone = by_rays;
         alone.pixel_area = false;
         stray_specular = traceSpecular(*outgoing, edges->strays, alone);
+    }
+}
+
+ViewState::~ViewState() {
+    if (kept != nullptr) {
+        try {
+            kept->put(std::move(field));
+        } catch (const std::bad_alloc&) {
+            // What memory lacks room for is gathered again.
+        }
     }
 }
 

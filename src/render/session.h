@@ -75,12 +75,20 @@ struct ViewState {
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
               const ViewState& ground)
         : ViewState(state, params, seconds, veil, &ground, nullptr) {}
+    /// Its records are kept for other views.
+    ~ViewState();
+    ViewState(const ViewState&) = delete;
+    ViewState& operator=(const ViewState&) = delete;
 
   private:
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
               const ViewState* ground, KeptRecords* kept);
     void findCaustics(const SceneState& state, const RenderParams& params);
 };
+
+/// The view's pixels and their direct light, behind all blended surfaces: where indirect light
+/// comes from elsewhere. After SceneState::prepareFor().
+Receivers directlyLit(SceneState& state, const RenderParams& params, StageSeconds& seconds);
 
 /// What Session::render() makes of its own state. `kept`: as ViewState has it, and of this frame
 /// as well afterwards.

@@ -142,6 +142,7 @@ LiveThread::~LiveThread() {
     {
         const std::lock_guard<std::mutex> lock(mutex_);
         stopping_ = true;
+        outdated_ = true;
     }
     wake_.notify_all();
     thread_.join();
@@ -155,6 +156,7 @@ void LiveThread::post(std::function<void(LiveImage&)> job, JobKey key) {
         }
         jobs_.push_back({std::move(job), key});
         idle_ = false;
+        outdated_ = outdated_ || (key != kNoKey && key != kPickJob);
     }
     wake_.notify_all();
 }
@@ -236,6 +238,7 @@ void LiveThread::work() {
                 return;
             }
             jobs = std::exchange(jobs_, {});
+            outdated_ = false;
             settings = settings_;
             redisplay_ = false;
         }
@@ -243,7 +246,7 @@ void LiveThread::work() {
         runJobs(std::move(jobs));
         try {
             if (!image_->done() && !failed) {
-                image_->step(budget_);
+                image_->step(budget_, &outdated_);
                 ++steps_;
             } else if (!arrived) {
                 std::this_thread::sleep_for(std::chrono::duration<double>(budget_));

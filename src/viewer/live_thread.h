@@ -1,6 +1,7 @@
 // A live image on a thread of its own, so that the window answers while records are gathered.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -99,6 +100,7 @@ class LiveThread {
     std::vector<Job> jobs_;
     DisplaySettings settings_;
     bool redisplay_ = false, stopping_ = false, idle_ = false;
+    std::atomic<bool> outdated_ = false;  // what is shown, by jobs that wait
     std::shared_ptr<const Shown> shown_;
     std::shared_ptr<const PixelParts> picked_;
     std::optional<Failure> failure_;
