@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "core/bounces.h"
 #include "core/directions.h"
 #include "core/parallel.h"
+#include "light/element_light.h"
 #include "light/place_elements.h"
 #include "light/scattered_again.h"
 #include "rays/jitter.h"
@@ -40,7 +42,10 @@ struct Lit {
     Lit(const Scene& scene, const vec3& eye, int bounces)
         : tracer(scene),
           once(tracer),
-          again(once, placeElements(tracer, seenFrom(tracer, eye, 256)), {}, bounces) {}
+          again(once,
+                std::make_unique<ElementLight>(
+                    once, placeElements(tracer, seenFrom(tracer, eye, 256)), bounces),
+                {}, bounces) {}
 };
 
 // What arrives from all around, mean over 1024 directions of cones as wide as records' rays.
@@ -101,7 +106,7 @@ TEST(ScatteredAgain, FindsTheSameWithoutElements) {
     const Scene scene = sphereRoom(0.5f);
     const Tracer tracer(scene);
     const ScatteredOnce once(tracer);
-    const ScatteredAgain again(once, Elements(), {}, 3);
+    const ScatteredAgain again(once, std::make_unique<ElementLight>(once, Elements(), 3), {}, 3);
     constexpr double kNoise = 0.02;  // 4 standard errors
     const double expected = meanRadiance(once, eye).y * 1.75;
     EXPECT_NEAR(meanRadiance(again, eye).y, expected, kNoise * expected);
@@ -122,7 +127,9 @@ TEST(ScatteredAgain, DoesNotLeakThroughAThinWall) {
     std::vector<ElementSite> seen = seenFrom(tracer, lit_eye, 256);
     const std::vector<ElementSite> others = seenFrom(tracer, dark_eye, 256);
     seen.insert(seen.end(), others.begin(), others.end());
-    const ScatteredAgain again(once, placeElements(tracer, seen), {}, kAllBounces);
+    const ScatteredAgain again(
+        once, std::make_unique<ElementLight>(once, placeElements(tracer, seen), kAllBounces), {},
+        kAllBounces);
     EXPECT_GT(meanRadiance(again, lit_eye).y, 2.0f * meanRadiance(once, lit_eye).y);
     // An element knows of walls what it sees of them in a hundred directions.
     constexpr float kLeak = 1e-3f;

@@ -11,6 +11,7 @@
 #include "gather/ray_gather.h"
 #include "gather/shared_gather.h"
 #include "light/direct.h"
+#include "light/element_light.h"
 #include "light/place_elements.h"
 #include "light/scattered_again.h"
 #include "reference/reference.h"
@@ -162,8 +163,10 @@ Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakePa
     const ScatteredOnce once(tracer, &lights, std::vector<Bounds>{});
     std::optional<ScatteredAgain> again;
     if (params.bounces > 1) {
-        again.emplace(once, placeElements(tracer, someOf(scene, receivers)), std::vector<Bounds>{},
-                      params.bounces);
+        again.emplace(once,
+                      std::make_unique<ElementLight>(
+                          once, placeElements(tracer, someOf(scene, receivers)), params.bounces),
+                      std::vector<Bounds>{}, params.bounces);
     }
     baked.stats.seconds_lights = made.seconds();
     if (!params.indirect_only && job.first()) {

@@ -17,6 +17,8 @@ struct Photon {
     vec3 wi;     ///< unit, toward where it came from
     vec3 n_g;    ///< unit geometric normal of the surface, on the side it arrived on
     vec3 power;  ///< lumens
+    uint32_t triangle;
+    int scattered;  ///< so often, on the way here
 };
 
 /// Safe to use from many threads.
@@ -26,6 +28,9 @@ class PhotonMap {
     PhotonMap(std::vector<Photon> photons, float reach);
 
     size_t size() const { return photons_.size(); }
+    /// Those of a range of a kd-tree lie together: of [begin, end), and so on, the one in the
+    /// middle parts the ranges before and behind it.
+    std::span<const Photon> photons() const { return photons_; }
 
     /// What a surface gets by them, and how it scatters that.
     struct Light {

@@ -9,7 +9,7 @@
 namespace sheen {
 namespace {
 
-// Specular surfaces are divided into cells of this share of the scene, at most so many; each has
+// Surfaces are divided into cells of this share of the scene, at most so many; each has
 // two sides.
 constexpr float kCellShare = 1.0f / 64.0f;
 constexpr size_t kMostCells = 1u << 18u;
@@ -18,7 +18,7 @@ constexpr size_t kMostParts = 1024;
 constexpr double kAnywhere = 0.2;
 
 void addPatches(const Scene& scene, uint32_t triangle, const TriangleGrid& grid, bool back,
-                std::vector<Patch>& patches) {
+                bool specular, std::vector<Patch>& patches) {
     constexpr float kTypicalCosine = 0.7f;
     const double area =
         TriangleEdges(scene, triangle).area() / static_cast<double>(grid.n * grid.n);
@@ -28,7 +28,8 @@ void addPatches(const Scene& scene, uint32_t triangle, const TriangleGrid& grid,
             materialAt(scene, triangle, vec3(1.0f - middle.x - middle.y, middle));
         const Brdf brdf =
             shared::makeBrdf(material, brdfAlbedo(kTypicalCosine, material.roughness));
-        const vec3 albedo = specularAlbedo(kTypicalCosine, material.roughness, brdf.f0, brdf.f90);
+        const vec3 albedo = specularAlbedo(kTypicalCosine, material.roughness, brdf.f0, brdf.f90) +
+                            (specular ? vec3(0.0f) : brdf.diffuse);
         // A texture's middle does not tell of all of the cell.
         constexpr double kLeast = 1e-3;
         patches.push_back({.triangle = triangle,
@@ -40,16 +41,16 @@ void addPatches(const Scene& scene, uint32_t triangle, const TriangleGrid& grid,
 
 }  // namespace
 
-PhotonStarts::PhotonStarts(const Scene& scene) {
-    std::vector<uint8_t> specular(scene.materials.size());
-    for (size_t i = 0; i < specular.size(); ++i) {
-        specular[i] = maybeSpecular(scene, scene.materials[i]) ? 1 : 0;
+PhotonStarts::PhotonStarts(const Scene& scene, bool specular) {
+    std::vector<uint8_t> wanted(scene.materials.size());
+    for (size_t i = 0; i < wanted.size(); ++i) {
+        wanted[i] = !specular || maybeSpecular(scene, scene.materials[i]) ? 1 : 0;
     }
     const std::vector<uint32_t> divisions = gridDivisions(scene, {}, kCellShare, kMostCells);
     for (const bool back : {false, true}) {
         for (uint32_t t = 0; t < divisions.size(); ++t) {
-            if (specular[scene.materials_of[t]] != 0) {
-                addPatches(scene, t, {divisions[t]}, back, patches_);
+            if (wanted[scene.materials_of[t]] != 0) {
+                addPatches(scene, t, {divisions[t]}, back, specular, patches_);
             }
         }
     }

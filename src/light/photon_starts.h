@@ -1,5 +1,4 @@
-// Where photons of caustics start: pieces of specular surfaces, chosen as likely as what starts
-// there is worth while.
+// Where photons start: pieces of surfaces, chosen as likely as what starts there is worth while.
 #pragma once
 
 #include <array>
@@ -10,7 +9,7 @@
 
 namespace sheen {
 
-/// A side of a piece of a specular triangle.
+/// A side of a piece of a triangle.
 struct Patch {
     uint32_t triangle;
     bool back;
@@ -20,8 +19,8 @@ struct Patch {
 
 class PhotonStarts {
   public:
-    /// All of a scene; which must outlive them.
-    explicit PhotonStarts(const Scene& scene);
+    /// All of a scene, or those of specular surfaces.
+    PhotonStarts(const Scene& scene, bool specular);
 
     bool empty() const { return patches_.empty(); }
     const Patch& patch(size_t i) const { return patches_[i]; }

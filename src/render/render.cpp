@@ -196,7 +196,7 @@ RenderResult renderStateByCache(SceneState& state, const StageSeconds& made_in,
     stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
     stats.caustic_photons = view.caustic_photons;
     if (view.again) {
-        stats.elements = view.again->elementCount();
+        stats.elements = view.again->keptCount();
         stats.elements_missed_share = view.again->missedShare();
     }
     return result;

@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "light/caustics.h"
+#include "light/element_light.h"
 #include "light/place_elements.h"
 #include "receivers/coats.h"
 #include "render/caustics.h"
@@ -139,8 +140,9 @@ std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers
         return again;
     }
     again.reset();  // never two of them in memory
-    auto made = std::make_shared<const ScatteredAgain>(*outgoing, placeElements(tracer, from), near,
-                                                       bounces);
+    auto made = std::make_shared<const ScatteredAgain>(
+        *outgoing, std::make_unique<ElementLight>(*outgoing, placeElements(tracer, from), bounces),
+        near, bounces);
     if (reuse) {
         again = made;
         again_lacking = made->lackingShare(from);

@@ -1,0 +1,58 @@
+// Light kept by photons: their tree is cut where its nodes say well enough what arrives, and what
+// arrives there is kept. Based on: [WWZP09, 3.3]. Beyond it nodes whose photons lie on surfaces
+// that face elsewhere are opened too, and what lies off a node's plane is not asked of it: thin
+// walls and creases keep their sides apart.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "light/kept_light.h"
+#include "light/photon_map.h"
+#include "light/scene_lights.h"
+
+namespace sheen {
+
+/// A cut through one tree of photons. Safe to use from many threads.
+class IlluminationCut {
+  public:
+    IlluminationCut(const Tracer& tracer, const PhotonMap& map);
+
+    size_t size() const { return nodes_.size(); }
+    /// By the nodes around; none where no node is.
+    std::optional<vec3> irradiance(const ElementSite& at) const;
+
+  private:
+    struct Node {
+        vec3 position;
+        vec3 n_g;           // unit
+        float reach;        // the longest side of its photons' box
+        vec3 irradiance;    // by density
+        float approximate;  // luminance of the same by the node's photons alone
+    };
+    struct Range;
+    Node nodeOf(const Tracer& tracer, const PhotonMap& map, const Range& range) const;
+    void divide(size_t begin, size_t end, size_t box);
+    template <class F>
+    void around(const vec3& p, size_t begin, size_t end, size_t box, const F& body) const;
+
+    std::vector<Node> nodes_;    // in the order of the photons' tree
+    std::vector<Bounds> boxes_;  // of halves of them, and of halves of these, as far as they reach
+};
+
+/// Light of all bounces, or of few, by photons.
+class PhotonLight : public KeptLight {
+  public:
+    /// By `count` photons that start. `bounces`: as WaysOn has them.
+    PhotonLight(const Tracer& tracer, const SceneLights& lights, int count, int bounces);
+
+    std::optional<vec3> irradiance(const ElementSite& at, int followed) const override;
+    size_t size() const override;
+
+  private:
+    int bounces_;
+    std::vector<IlluminationCut> cuts_;  // [rays followed]; of all bounces one
+};
+
+}  // namespace sheen
