@@ -31,6 +31,10 @@ const std::map<std::string, Setter> kSetters = {
      }},
     {"kmeans", [](RenderParams& p,
                   float v) { p.placement.sites = v > 0 ? SitesBy::kKMeans : SitesBy::kScan; }},
+    {"bounces",
+     [](RenderParams& p, float v) { p.bounces = v > 0 ? static_cast<int>(v) : kAllBounces; }},
+    {"photons",
+     [](RenderParams& p, float v) { p.kept_by = v > 0 ? KeptBy::kPhotons : KeptBy::kElements; }},
     {"clusters", [](RenderParams& p, float v) { p.placement.clusters = static_cast<int>(v); }},
     {"harmonic",
      [](RenderParams& p, float v) {

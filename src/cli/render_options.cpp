@@ -35,6 +35,9 @@ const std::map<std::string, Gather> kGathers = {
 const std::map<std::string, SitesBy> kPlacements = {{"scan", SitesBy::kScan},
                                                     {"kmeans", SitesBy::kKMeans}};
 
+const std::map<std::string, KeptBy> kKeepers = {{"elements", KeptBy::kElements},
+                                                {"photons", KeptBy::kPhotons}};
+
 template <class T>
 std::vector<std::string> keysOf(const std::map<std::string, T>& map) {
     std::vector<std::string> keys;
@@ -172,6 +175,12 @@ void addKeepingOptions(CLI::App& app, RenderOptions& o) {
                            "finds them missing (scan), or first one into each cluster of alike "
                            "surface points (kmeans)")
                 ->check(CLI::IsMember(keysOf(kPlacements))),
+            kCached);
+    limited(app.add_option("--kept-by", o.kept_by,
+                           "radiance, irradiance: what keeps light of more bounces than one: "
+                           "points spread over surfaces (elements), or a cut through a tree of "
+                           "photons (photons)")
+                ->check(CLI::IsMember(keysOf(kKeepers))),
             kCached);
     limited(app.add_option("--sh-order", o.sh_order,
                            "radiance: order of the spherical harmonics, 2..10, or auto: by "
@@ -391,6 +400,7 @@ void understandFrame(RenderOptions& o) {
     o.params.gather_road = kGathers.at(o.gather).road;
     o.params.gather.kind = kGathers.at(o.gather).hemisphere;
     o.params.placement.sites = kPlacements.at(o.placement);
+    o.params.kept_by = kKeepers.at(o.kept_by);
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.bounces = bouncesOf(o);
     o.params.gl = parseGl(o.gl);

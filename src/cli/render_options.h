@@ -26,6 +26,7 @@ struct RenderOptions {
     std::string sh_order = "auto";
     std::string gather = "ray";
     std::string bounces = "all";
+    std::string kept_by = "elements";
     std::string caustics;  ///< by default as many photons as `params` says
     std::string exposure = "auto";
     std::string tone = "neutral";

@@ -44,8 +44,10 @@ ivec2 writtenSize(const RenderOptions& o) {
 void printCached(const RenderOptions& o, const RenderStats& stats) {
     fmt::print("gather    {}\n", o.gather);
     if (stats.elements > 0) {
-        fmt::print("bounces   {}: kept at {} elements, none near for {:.2g}% of what asks them\n",
-                   o.bounces, stats.elements, 100.0 * stats.elements_missed_share);
+        fmt::print("bounces   {}: kept at {} {}, none near for {:.2g}% of what asks them\n",
+                   o.bounces, stats.elements,
+                   o.params.kept_by == KeptBy::kPhotons ? "nodes of a cut" : "elements",
+                   100.0 * stats.elements_missed_share);
     }
     if (stats.caustic_photons > 0) {
         fmt::print("caustics  {} photons of {} met what is seen\n", stats.caustic_photons,

@@ -210,11 +210,11 @@ RenderResult renderByCache(SceneState& state, const RenderParams& params, KeptRe
 
 std::string recordRecipe(const RenderParams& params) {
     return fmt::format(
-        "method {}, order {}, road {}, hemisphere {} of extent {}, bounces {}, caustics apart {}",
+        "method {}, order {}, road {}, hemisphere {} of extent {}, bounces {}{}, caustics apart {}",
         params.method == Method::kIrradiance ? "irradiance" : "radiance", params.sh_order,
         params.gather_road == GatherRoad::kRays ? "rays" : "raster",
         static_cast<int>(params.gather.kind), params.gather.extent, params.bounces,
-        params.caustics > 0);
+        params.kept_by == KeptBy::kPhotons ? " by photons" : "", params.caustics > 0);
 }
 
 Camera viewOf(const Scene& scene, const RenderParams& params) {

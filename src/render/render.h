@@ -21,6 +21,9 @@
 
 namespace sheen {
 
+/// What keeps light of more bounces than one for what rays meet.
+enum class KeptBy { kElements, kPhotons };
+
 enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised, kHints };
 
 /// Everything that changes the image. Defaults were chosen by measurement
@@ -56,6 +59,7 @@ struct RenderParams {
     SpecularParams specular;
     /// So often light is scattered, at the most, on its way to where it is indirect light.
     int bounces = kAllBounces;
+    KeptBy kept_by = KeptBy::kElements;
     /// Photons by which it is found what specular surfaces make of lights (Frame::caustic); more
     /// are better. 0: that is part of the indirect light. The reference, which has no photons,
     /// keeps it apart as well. No cost where a scene has no such surfaces.
@@ -119,8 +123,8 @@ struct RenderStats {
     double too_glossy_share = 0;  ///< of pixels_geometry, whose specular light is by rays alone
     int pixels_edges = 0;         ///< that were sampled more than once
     int edge_records = 0;         ///< for what no pixel's middle sees, in the last pass
-    /// At which light of more than one bounce is kept, and for what share of the points that ask
-    /// them none was near (ScatteredAgain).
+    /// Values of light of more than one bounce that are kept, at elements or nodes of a cut, and
+    /// for what share of the points that ask them none was near (ScatteredAgain).
     size_t elements = 0;
     double elements_missed_share = 0;
     size_t caustic_photons = 0;  ///< kept, on what is seen

@@ -6,6 +6,7 @@
 #include "core/timer.h"
 #include "light/caustics.h"
 #include "light/element_light.h"
+#include "light/illumination_cut.h"
 #include "light/place_elements.h"
 #include "receivers/coats.h"
 #include "render/caustics.h"
@@ -132,7 +133,9 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
 }
 
 std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers& receivers,
-                                                                 int bounces, bool reuse) {
+                                                                 int bounces, KeptBy kept_by,
+                                                                 bool reuse) {
+    constexpr int kPhotons = 400'000;
     constexpr double kMoreLacking = 0.03;  // than where it was made for
     const std::vector<ElementSite> from = someOf(scene, receivers);
     if (reuse && again && again->bounces() == bounces &&
@@ -140,9 +143,13 @@ std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers
         return again;
     }
     again.reset();  // never two of them in memory
-    auto made = std::make_shared<const ScatteredAgain>(
-        *outgoing, std::make_unique<ElementLight>(*outgoing, placeElements(tracer, from), bounces),
-        near, bounces);
+    std::unique_ptr<const KeptLight> kept;
+    if (kept_by == KeptBy::kPhotons) {
+        kept = std::make_unique<PhotonLight>(tracer, *lights, kPhotons, bounces);
+    } else {
+        kept = std::make_unique<ElementLight>(*outgoing, placeElements(tracer, from), bounces);
+    }
+    auto made = std::make_shared<const ScatteredAgain>(*outgoing, std::move(kept), near, bounces);
     if (reuse) {
         again = made;
         again_lacking = made->lackingShare(from);
@@ -192,7 +199,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     outgoing = ground != nullptr ? ground->outgoing : &*state.outgoing;
     if (params.bounces > 1 && ground == nullptr) {
         const StageTimer timer(seconds.bounces);
-        again = state.scatteredAgain(receivers, params.bounces, kept != nullptr);
+        again = state.scatteredAgain(receivers, params.bounces, params.kept_by, kept != nullptr);
         outgoing = &*again;
     }
     SpecularParams by_rays = params.specular;

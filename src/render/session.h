@@ -45,7 +45,7 @@ struct SceneState {
     /// Light of more bounces than one for what is looked for from these receivers. `reuse`: what
     /// was made for a former view, unless it lacks light where this one looks.
     std::shared_ptr<const ScatteredAgain> scatteredAgain(const Receivers& receivers, int bounces,
-                                                         bool reuse);
+                                                         KeptBy kept_by, bool reuse);
 };
 
 /// Made of a camera once: its pixels as receivers, what of their light records are not asked for,
