@@ -138,7 +138,7 @@ std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers
     constexpr int kPhotons = 400'000;
     constexpr double kMoreLacking = 0.03;  // than where it was made for
     const std::vector<ElementSite> from = someOf(scene, receivers);
-    if (reuse && again && again->bounces() == bounces &&
+    if (reuse && again && again->bounces() == bounces && again_by == kept_by &&
         again->lackingShare(from) <= again_lacking + kMoreLacking) {
         return again;
     }
@@ -152,6 +152,7 @@ std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers
     auto made = std::make_shared<const ScatteredAgain>(*outgoing, std::move(kept), near, bounces);
     if (reuse) {
         again = made;
+        again_by = kept_by;
         again_lacking = made->lackingShare(from);
     }
     return made;

@@ -30,6 +30,7 @@ struct SceneState {
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
     /// Light kept on surfaces that serves the next view too, where records do.
     std::shared_ptr<const ScatteredAgain> again;
+    KeptBy again_by = KeptBy::kElements;
     double again_lacking = 0.0;  ///< near what share of where it was looked for no element is
 
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
