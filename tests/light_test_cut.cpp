@@ -6,13 +6,11 @@
 #include <vector>
 
 #include "core/bounces.h"
-#include "core/directions.h"
 #include "core/parallel.h"
 #include "light/illumination_cut.h"
 #include "light/photon_tracer.h"
 #include "light/scattered_again.h"
-#include "rays/jitter.h"
-#include "test_scenes.h"
+#include "light_test_rooms.h"
 
 namespace sheen {
 namespace {
@@ -32,32 +30,6 @@ struct Lit {
           again(once, std::make_unique<PhotonLight>(tracer, lights, kPhotons, bounces), {},
                 bounces) {}
 };
-
-vec3 meanRadiance(const OutgoingLight& light, const vec3& eye) {
-    constexpr int kCount = 1024;
-    std::vector<vec3> directions;
-    for (uint32_t i = 0; i < kCount; ++i) {
-        const vec2 u = randomPlace(i, 7);
-        const float z = 2.0f * u.x - 1.0f;
-        const float r = std::sqrt(1.0f - z * z);
-        directions.push_back(
-            glm::normalize(vec3(r * std::cos(2 * kPi * u.y), r * std::sin(2 * kPi * u.y), z)));
-    }
-    std::vector<vec4> seen(kCount);
-    light.cast({.origin = eye, .directions = directions}, seen.data());
-    vec3 sum(0.0f);
-    for (const vec4& s : seen) {
-        sum += vec3(s);
-    }
-    return sum / static_cast<float>(kCount);
-}
-
-Scene sphereRoom(float albedo) {
-    Scene scene;
-    addSphere(scene, vec3(0.0f), 2.0f, 48, addMaterial(scene, diffuseParams(vec3(albedo))));
-    scene.lights.push_back(pointLight(vec3(0.0f), vec3(3.0f)));
-    return scene;
-}
 
 const vec3 kEye(0.4f, 0.3f, -0.2f);
 
