@@ -34,7 +34,10 @@ const std::map<std::string, Setter> kSetters = {
     {"bounces",
      [](RenderParams& p, float v) { p.bounces = v > 0 ? static_cast<int>(v) : kAllBounces; }},
     {"photons",
-     [](RenderParams& p, float v) { p.kept_by = v > 0 ? KeptBy::kPhotons : KeptBy::kElements; }},
+     [](RenderParams& p, float v) {
+         p.kept_by = v > 0 ? KeptBy::kPhotons : KeptBy::kElements;
+         p.photons = static_cast<int>(v);
+     }},
     {"clusters", [](RenderParams& p, float v) { p.placement.clusters = static_cast<int>(v); }},
     {"harmonic",
      [](RenderParams& p, float v) {

@@ -29,10 +29,10 @@ uint64_t mix(uint64_t x) {
 
 }  // namespace
 
-int Elements::Element::sector(const vec3& d) const {
-    const float x = glm::dot(d, tangent);
-    const float y = glm::dot(d, bitangent);
-    return (x < 0.0f ? 1 : 0) + (y < 0.0f ? 2 : 0) + (std::abs(x) < std::abs(y) ? 4 : 0);
+size_t Elements::sector(const mat3& frame, const vec3& direction) {
+    const float x = glm::dot(direction, frame[0]);
+    const float y = glm::dot(direction, frame[1]);
+    return (x < 0.0f ? 1u : 0u) + (y < 0.0f ? 2u : 0u) + (std::abs(x) < std::abs(y) ? 4u : 0u);
 }
 
 float Elements::Element::weight(const vec3& p, const vec3& n) const {
@@ -45,7 +45,7 @@ float Elements::Element::weight(const vec3& p, const vec3& n) const {
         return 0.0f;
     }
     const float height = glm::dot(d, site.normal);
-    const float way = free[static_cast<size_t>(sector(d))];
+    const float way = free[sector(d)];
     if (distance2 - height * height > way * way) {
         return 0.0f;
     }
@@ -100,8 +100,7 @@ bool Elements::lacks(const ElementSite& site) const {
 }
 
 void Elements::add(const ElementSite& site) {
-    const mat3 frame = tangentFrame(site.normal);
-    Element element{.site = site, .tangent = frame[0], .bitangent = frame[1], .free = {}};
+    Element element{.site = site, .frame = tangentFrame(site.normal), .free = {}};
     element.free.fill(kInfinity);
     elements_.push_back(element);
     index(elements_.size() - 1);

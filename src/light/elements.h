@@ -40,7 +40,10 @@ class Elements {
     void know(size_t i, const Ways& free, float spacing);
     void reindex();
     /// That of a direction from the element.
-    int sector(size_t i, const vec3& direction) const { return elements_[i].sector(direction); }
+    size_t sector(size_t i, const vec3& direction) const { return elements_[i].sector(direction); }
+    /// That of a direction from an element whose normal has this tangentFrame(). Of eight that are
+    /// evenly spread from half of their angle on, each has one.
+    static size_t sector(const mat3& frame, const vec3& direction);
 
     /// Calls body(element, weight) for those that say something of a point with the unit normal n,
     /// weights above 0, not normalised.
@@ -59,10 +62,10 @@ class Elements {
 
     struct Element {
         ElementSite site;
-        vec3 tangent, bitangent;
+        mat3 frame;  // tangentFrame() of the normal
         Ways free;
 
-        int sector(const vec3& d) const;
+        size_t sector(const vec3& d) const { return Elements::sector(frame, d); }
         float weight(const vec3& p, const vec3& n) const;
     };
     // A voxel's elements are a list in links_; voxels, of sizes that are powers of two, are found

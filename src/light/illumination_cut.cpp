@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/bounces.h"
+#include "core/directions.h"
 #include "core/parallel.h"
 #include "light/photon_tracer.h"
 #include "light/ways_on.h"
@@ -25,15 +26,21 @@ constexpr size_t kFewest = 16;
 // than this share, it is opened.
 constexpr float kTurned = 0.7f;
 constexpr float kMixed = 0.2f;
-// What lies higher over a node's plane, by this cosine, is of another surface.
-constexpr float kHigh = 0.3f;
-constexpr size_t kLeafNodes = 4;
 
 }  // namespace
+
+struct IlluminationCut::Node {
+    ElementSite site;  // it reaches as far as its photons' box is long
+    Elements::Ways free;
+    vec3 irradiance;    // by density
+    float approximate;  // luminance of the same by the node's photons alone
+    float other;        // share of these that lie on surfaces which face elsewhere
+};
 
 struct IlluminationCut::Range {
     size_t begin, end;
     bool open = false;
+    std::optional<Node> node = {};  // once it has been asked for
 
     size_t size() const { return end - begin; }
     size_t middle() const { return begin + size() / 2; }
@@ -86,7 +93,7 @@ Sums sumsOf(std::span<const Photon> all, const Range& range) {
 }  // namespace
 
 IlluminationCut::Node IlluminationCut::nodeOf(const Tracer& tracer, const PhotonMap& map,
-                                              const Range& range) const {
+                                              const Range& range) {
     const Sums sums = sumsOf(map.photons(), range);
     const Photon& center = map.photons()[sums.center];
     const SurfaceSide side{.position = center.position,
@@ -94,11 +101,18 @@ IlluminationCut::Node IlluminationCut::nodeOf(const Tracer& tracer, const Photon
                            .toward_viewer = center.wi,
                            .offset = surfaceOffset(tracer.scene(), center.triangle, center.position,
                                                    center.n_g, 0.0f)};
-    return {.position = center.position,
-            .n_g = center.n_g,
-            .reach = sums.longest,
-            .irradiance = map.at(tracer, side, center.n_g, nullptr).irradiance,
-            .approximate = sums.density};
+    Node node{
+        .site = {.side = side, .normal = center.n_g, .spacing = sums.longest / Elements::kReach},
+        .free = {},
+        .irradiance = map.at(tracer, side, center.n_g, nullptr).irradiance,
+        .approximate = sums.density,
+        .other = sums.other};
+    const WaysAlong ways(tracer, side);
+    const mat3 frame = tangentFrame(center.n_g);
+    for (size_t s = 0; s < WaysAlong::kCount; ++s) {
+        node.free[Elements::sector(frame, ways.directions[s])] = ways.lengths[s];
+    }
+    return node;
 }
 
 IlluminationCut::IlluminationCut(const Tracer& tracer, const PhotonMap& map) {
@@ -115,7 +129,8 @@ IlluminationCut::IlluminationCut(const Tracer& tracer, const PhotonMap& map) {
                 next.push_back({range.begin, range.middle()});
                 next.push_back({range.middle() + 1, range.end});
             } else {
-                next.push_back({range.begin, range.end});
+                next.push_back(range);
+                next.back().open = false;
             }
         }
         cut = std::move(next);
@@ -136,80 +151,41 @@ IlluminationCut::IlluminationCut(const Tracer& tracer, const PhotonMap& map) {
     }
     forEach([&](size_t i) { cut[i].open = densities[i] > average; });
     descend();
+    const auto ask = [&](Range& range) {
+        if (!range.node) {
+            range.node = nodeOf(tracer, map, range);
+            range.open = range.node->other > kMixed ||
+                         std::abs(luminance(range.node->irradiance) - range.node->approximate) >
+                             kDifference * range.node->approximate;
+        }
+    };
     for (int round = 0; round < kRounds; ++round) {
-        forEach([&](size_t i) {
-            const Sums sums = sumsOf(map.photons(), cut[i]);
-            cut[i].open = sums.other > kMixed;
-            if (!cut[i].open && cut[i].size() >= 2 * kFewest) {
-                const Node node = nodeOf(tracer, map, cut[i]);
-                cut[i].open = std::abs(luminance(node.irradiance) - node.approximate) >
-                              kDifference * node.approximate;
-            }
-        });
+        forEach([&](size_t i) { ask(cut[i]); });
         descend();
     }
-    nodes_.resize(cut.size());
-    forEach([&](size_t i) { nodes_[i] = nodeOf(tracer, map, cut[i]); });
-    std::erase_if(nodes_, [](const Node& node) { return !(node.reach > 0.0f); });
-    if (!nodes_.empty()) {
-        divide(0, nodes_.size(), 0);
-    }
-}
-
-void IlluminationCut::divide(size_t begin, size_t end, size_t box) {
-    if (boxes_.size() <= box) {
-        boxes_.resize(box + 1);
-    }
-    Bounds bounds;
-    for (size_t i = begin; i < end; ++i) {
-        bounds.add(nodes_[i].position - nodes_[i].reach);
-        bounds.add(nodes_[i].position + nodes_[i].reach);
-    }
-    boxes_[box] = bounds;
-    if (end - begin > kLeafNodes) {
-        const size_t middle = begin + (end - begin) / 2;
-        divide(begin, middle, 2 * box + 1);
-        divide(middle, end, 2 * box + 2);
-    }
-}
-
-template <class F>
-void IlluminationCut::around(const vec3& p, size_t begin, size_t end, size_t box,
-                             const F& body) const {
-    const Bounds& bounds = boxes_[box];
-    if (!glm::all(glm::greaterThanEqual(p, bounds.lower)) ||
-        !glm::all(glm::lessThanEqual(p, bounds.upper))) {
-        return;
-    }
-    if (end - begin > kLeafNodes) {
-        const size_t middle = begin + (end - begin) / 2;
-        around(p, begin, middle, 2 * box + 1, body);
-        around(p, middle, end, 2 * box + 2, body);
-        return;
-    }
-    for (size_t i = begin; i < end; ++i) {
-        body(nodes_[i]);
+    forEach([&](size_t i) { ask(cut[i]); });
+    for (const Range& range : cut) {
+        if (range.node->site.spacing > 0.0f) {
+            elements_.add(range.node->site);
+            elements_.know(elements_.size() - 1, range.node->free, range.node->site.spacing);
+            irradiances_.push_back(range.node->irradiance);
+        }
     }
 }
 
 std::optional<vec3> IlluminationCut::irradiance(const ElementSite& at) const {
     constexpr float kLeastWeight = 1e-3f;
-    if (nodes_.empty()) {
-        return std::nullopt;
-    }
     const vec3& p = at.side.position;
     vec3 sum(0.0f);
     float weights = 0.0f;
-    around(p, 0, nodes_.size(), 0, [&](const Node& node) {
-        const vec3 way = p - node.position;
-        const float distance2 = glm::dot(way, way);
-        const float inside = 1.0f - distance2 / (node.reach * node.reach);
-        const float high = std::abs(glm::dot(way, node.n_g));
-        if (inside > 0.0f && high <= kHigh * std::sqrt(distance2) + at.side.offset) {
-            const float weight = inside * std::max(glm::dot(node.n_g, at.normal), 0.0f);
-            sum += weight * node.irradiance;
-            weights += weight;
-        }
+    elements_.around(p, at.normal, [&](size_t i, float) {
+        const ElementSite& node = elements_.site(i);
+        const vec3 way = p - node.side.position;
+        const float reach = Elements::kReach * node.spacing;
+        const float weight = (1.0f - glm::dot(way, way) / (reach * reach)) *
+                             std::max(glm::dot(node.normal, at.normal), 0.0f);
+        sum += weight * irradiances_[i];
+        weights += weight;
     });
     return weights > kLeastWeight ? std::optional(sum / weights) : std::nullopt;
 }

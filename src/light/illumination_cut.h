@@ -19,26 +19,17 @@ class IlluminationCut {
   public:
     IlluminationCut(const Tracer& tracer, const PhotonMap& map);
 
-    size_t size() const { return nodes_.size(); }
+    size_t size() const { return elements_.size(); }
     /// By the nodes around; none where no node is.
     std::optional<vec3> irradiance(const ElementSite& at) const;
 
   private:
-    struct Node {
-        vec3 position;
-        vec3 n_g;           // unit
-        float reach;        // the longest side of its photons' box
-        vec3 irradiance;    // by density
-        float approximate;  // luminance of the same by the node's photons alone
-    };
+    struct Node;
     struct Range;
-    Node nodeOf(const Tracer& tracer, const PhotonMap& map, const Range& range) const;
-    void divide(size_t begin, size_t end, size_t box);
-    template <class F>
-    void around(const vec3& p, size_t begin, size_t end, size_t box, const F& body) const;
+    static Node nodeOf(const Tracer& tracer, const PhotonMap& map, const Range& range);
 
-    std::vector<Node> nodes_;    // in the order of the photons' tree
-    std::vector<Bounds> boxes_;  // of halves of them, and of halves of these, as far as they reach
+    Elements elements_;  // the nodes: where they are, and what hides points from them
+    std::vector<vec3> irradiances_;
 };
 
 /// Light of all bounces, or of few, by photons.

@@ -23,7 +23,6 @@ constexpr float kTurned = 0.7f;
 constexpr float kHigh = 0.3f;
 // Shading normals make at most so much more of light that grazes a triangle.
 constexpr float kMostByNormal = 4.0f;
-constexpr int kSectors = Tracer::kPacket;
 
 // A photon counts by 1 - d^2 / r^2, over its integral [Sil86].
 float kernel(float distance2, float radius2) {
@@ -34,6 +33,25 @@ float kernel(float distance2, float radius2) {
 }
 
 }  // namespace
+
+WaysAlong::WaysAlong(const Tracer& tracer, const SurfaceSide& point) {
+    const mat3 frame = tangentFrame(point.n_g);
+    Hit hits[kCount];
+    for (size_t s = 0; s < kCount; ++s) {
+        const float angle = 2.0f * kPi * (static_cast<float>(s) + 0.5f) / kCount;
+        directions[s] = frame * vec3(std::cos(angle), std::sin(angle), 0.0f);
+    }
+    tracer.meet({.origin = point.start(), .directions = directions}, hits);
+    for (size_t s = 0; s < kCount; ++s) {
+        lengths[s] = hits[s].distance;
+        if (hits[s].found()) {
+            const vec3 n_g = geometricNormal(tracer.scene(), static_cast<int>(hits[s].triangle));
+            if (glm::dot(hits[s].back ? -n_g : n_g, point.n_g) > kTurned) {
+                lengths[s] = kInfinity;
+            }
+        }
+    }
+}
 
 PhotonMap::PhotonMap(std::vector<Photon> photons, float reach)
     : photons_(std::move(photons)), axes_(photons_.size()), reach_(reach) {
@@ -136,18 +154,10 @@ PhotonMap::Disc PhotonMap::choose(std::span<const Near> near) const {
 
 // What share of the kernel lies before the walls around.
 float PhotonMap::open(const Tracer& tracer, const SurfaceSide& point, float radius) const {
-    const mat3 frame = tangentFrame(point.n_g);
-    vec3 directions[kSectors];
-    Hit hits[kSectors];
-    for (int s = 0; s < kSectors; ++s) {
-        const float angle = 2.0f * kPi * (static_cast<float>(s) + 0.5f) / kSectors;
-        directions[s] = frame * vec3(std::cos(angle), std::sin(angle), 0.0f);
-    }
-    tracer.meet({.origin = point.start(), .directions = directions}, hits);
     float sum = 0.0f;
-    for (const Hit& hit : hits) {
-        const float t = std::min(hit.distance / radius, 1.0f);
-        sum += t * t * (2.0f - t * t) / kSectors;
+    for (const float length : WaysAlong(tracer, point).lengths) {
+        const float t = std::min(length / radius, 1.0f);
+        sum += t * t * (2.0f - t * t) / WaysAlong::kCount;
     }
     return sum;
 }

@@ -3,6 +3,7 @@
 // that edges stay sharp and what lies between them has little noise [Sch03].
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,6 +20,16 @@ struct Photon {
     vec3 power;  ///< lumens
     uint32_t triangle;
     int scattered;  ///< so often, on the way here
+};
+
+/// Ways along a surface from a point, and how far each leads before a wall stands in it. What faces
+/// as the point does is the surface going on, curved as it may be, and no wall.
+struct WaysAlong {
+    static constexpr int kCount = Tracer::kPacket;
+    std::array<vec3, kCount> directions;  ///< unit, at right angles to n_g, evenly spread
+    std::array<float, kCount> lengths;    ///< infinite: no wall
+
+    WaysAlong(const Tracer& tracer, const SurfaceSide& point);
 };
 
 /// Safe to use from many threads.

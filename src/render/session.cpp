@@ -133,9 +133,10 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
 }
 
 std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers& receivers,
-                                                                 int bounces, KeptBy kept_by,
+                                                                 const RenderParams& params,
                                                                  bool reuse) {
-    constexpr int kPhotons = 400'000;
+    const int bounces = params.bounces;
+    const KeptBy kept_by = params.kept_by;
     constexpr double kMoreLacking = 0.03;  // than where it was made for
     const std::vector<ElementSite> from = someOf(scene, receivers);
     if (reuse && again && again->bounces() == bounces && again_by == kept_by &&
@@ -145,7 +146,7 @@ std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers
     again.reset();  // never two of them in memory
     std::unique_ptr<const KeptLight> kept;
     if (kept_by == KeptBy::kPhotons) {
-        kept = std::make_unique<PhotonLight>(tracer, *lights, kPhotons, bounces);
+        kept = std::make_unique<PhotonLight>(tracer, *lights, params.photons, bounces);
     } else {
         kept = std::make_unique<ElementLight>(*outgoing, placeElements(tracer, from), bounces);
     }
@@ -200,7 +201,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     outgoing = ground != nullptr ? ground->outgoing : &*state.outgoing;
     if (params.bounces > 1 && ground == nullptr) {
         const StageTimer timer(seconds.bounces);
-        again = state.scatteredAgain(receivers, params.bounces, params.kept_by, kept != nullptr);
+        again = state.scatteredAgain(receivers, params, kept != nullptr);
         outgoing = &*again;
     }
     SpecularParams by_rays = params.specular;

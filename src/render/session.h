@@ -45,8 +45,8 @@ struct SceneState {
     void relight();
     /// Light of more bounces than one for what is looked for from these receivers. `reuse`: what
     /// was made for a former view, unless it lacks light where this one looks.
-    std::shared_ptr<const ScatteredAgain> scatteredAgain(const Receivers& receivers, int bounces,
-                                                         KeptBy kept_by, bool reuse);
+    std::shared_ptr<const ScatteredAgain> scatteredAgain(const Receivers& receivers,
+                                                         const RenderParams& params, bool reuse);
 };
 
 /// Made of a camera once: its pixels as receivers, what of their light records are not asked for,
