@@ -1,5 +1,5 @@
 // Light kept by photons: their tree is cut where its nodes say well enough what arrives, and what
-// arrives there is kept. Based on: [WWZP09, 3.3]. Beyond it nodes whose photons lie on surfaces
+// arrives there is kept. Based on: [WWZ09, 3.3]. Beyond it nodes whose photons lie on surfaces
 // that face elsewhere are opened too, and what lies off a node's plane is not asked of it: thin
 // walls and creases keep their sides apart.
 #pragma once
