@@ -55,13 +55,14 @@ TEST(Upsampling, ConstantLightStaysAndNothingIsBlack) {
     }
 }
 
-// A light that depends on place and normal alone is that of each pixel's own surface: what lies
-// before another surface takes nothing from it.
+// A light that depends on place and thing alone is that of each pixel's own: what lies before
+// another thing takes nothing from it.
 TEST(Upsampling, SurfacesKeepTheirOwnLight) {
     const Scene scene = glossyRoom();
     const Receivers coarse = roomBy(scene, 32, 32), fine = roomBy(scene, 64, 64);
     const auto light = [](const Receivers& receivers, size_t i) {
-        return vec3(2.0f) + receivers.normals[i] + 0.3f * receivers.positions[i];
+        return vec3(2.0f + static_cast<float>(receivers.materials[i])) +
+               0.3f * receivers.positions[i];
     };
     const SplatBuffer splat = Upsampling(coarse, fine).of(splatOf(coarse, light));
     int wrong = 0;

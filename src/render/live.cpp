@@ -34,21 +34,30 @@ constexpr int kHints = 2048;
 // has.
 constexpr float kFewRays = 0.1f;
 
-// Receivers that no record serves have what hints say of them. How many there are.
-int serveByHints(const Receivers& receivers, const HintLight& hinted, SplatBuffer& splat) {
+bool isServed(const SplatBuffer& splat, size_t i) {
+    return splat.irradiance.pixels[i].w > shared::MIN_WEIGHT_SUM;
+}
+
+int countUnserved(const Receivers& receivers, const SplatBuffer& splat) {
     int count = 0;
     for (size_t i = 0; i < receivers.positions.size(); ++i) {
-        if (!receivers.seen(i) || splat.irradiance.pixels[i].w > shared::MIN_WEIGHT_SUM) {
+        count += receivers.seen(i) && !isServed(splat, i) ? 1 : 0;
+    }
+    return count;
+}
+
+// Receivers that no record serves have what hints say of them.
+void serveByHints(const Receivers& receivers, const HintLight& hinted, SplatBuffer& splat) {
+    for (size_t i = 0; i < receivers.positions.size(); ++i) {
+        if (!receivers.seen(i) || isServed(splat, i)) {
             continue;
         }
-        ++count;
         splat.irradiance.pixels[i] = vec4(hinted.irradiance[i], 1.0f);
         if (receivers.orders[i] > shared::DIFFUSE_ORDER && !splat.specular.empty()) {
             const vec3 scale = glm::max(receivers.lobes.scale[i], vec3(1e-12f));
             splat.specular.pixels[i] = vec4(hinted.reflected[i] / scale, 0.0f);
         }
     }
-    return count;
 }
 
 // Images of up to so many pixels are splatted by the processor, whose time is about that of
@@ -379,14 +388,12 @@ void LiveImage::State::show() {
     SplatBuffer splat = receivers.positions.size() <= kFewPixels
                             ? splatCpu(receivers, cache, weight)
                             : splatView(*built, level->view, cache, weight);
-    progress.uncovered = 0;
-    if (!level->full) {
-        if (!level->hinted && hints) {
+    progress.uncovered = level->full ? 0 : countUnserved(receivers, splat);
+    if (progress.uncovered > 0 && hints) {
+        if (!level->hinted) {
             level->hinted = hints->at(receivers);
         }
-        if (level->hinted) {
-            progress.uncovered = serveByHints(receivers, *level->hinted, splat);
-        }
+        serveByHints(receivers, *level->hinted, splat);
     }
     progress.seconds.splat += splat_timer.seconds();
     const Timer compose_timer;
