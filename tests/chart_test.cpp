@@ -12,6 +12,7 @@
 
 #include "chart/child.h"
 #include "chart/point_file.h"
+#include "core/bounces.h"
 #include "test_folder.h"
 
 namespace sheen {
@@ -137,13 +138,32 @@ TEST(SweepMethods, namesDifferAndSettingsAreWhole) {
 }
 
 TEST(SweepMethods, chosenByName) {
-    EXPECT_EQ(chooseMethods({}).size(), sweepMethods().size());
-    const std::vector<SweepMethod> chosen = chooseMethods({"reference", "radiance", "reference"});
+    const std::vector<SweepMethod> chosen =
+        chooseMethods({"reference", "radiance", "reference"}, 1);
     ASSERT_EQ(chosen.size(), 2u);
     EXPECT_EQ(chosen[0].name, "radiance");
     EXPECT_EQ(chosen[1].name, "reference");
-    EXPECT_THROW(chooseMethods({"radiance", "magic"}), Error);
-    EXPECT_THROW(chooseMethods({""}), Error);
+    EXPECT_THROW(chooseMethods({"radiance", "magic"}, 1), Error);
+    EXPECT_THROW(chooseMethods({""}, 1), Error);
+}
+
+TEST(SweepMethods, thoseOfOneBounceAndOfMore) {
+    const auto names = [](int bounces) {
+        std::set<std::string> chosen;
+        for (const SweepMethod& method : chooseMethods({}, bounces)) {
+            chosen.insert(method.name);
+        }
+        return chosen;
+    };
+    const std::set<std::string> one = names(1), all = names(kAllBounces);
+    EXPECT_EQ(names(2), all);
+    for (const char* name : {"octree", "rasterised"}) {
+        EXPECT_TRUE(one.contains(name) && !all.contains(name)) << name;
+        EXPECT_THROW(chooseMethods({"radiance", name}, kAllBounces), Error);
+    }
+    EXPECT_TRUE(all.contains("photons") && !one.contains("photons"));
+    EXPECT_THROW(chooseMethods({"photons"}, 1), Error);
+    EXPECT_EQ(one.size() + all.size(), 2 * sweepMethods().size() - 3);
 }
 
 StoredPoint storedPoint() {

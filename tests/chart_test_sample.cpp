@@ -47,7 +47,7 @@ ChartPoint makePoint(const std::string& method, const std::string& setting, doub
 }
 
 std::vector<SweepMethod> sampleMethods() {
-    return chooseMethods({"radiance", "irradiance", "reference"});
+    return chooseMethods({"radiance", "irradiance", "reference"}, 1);
 }
 
 ChartScene makeScene(const std::string& name) {

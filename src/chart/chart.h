@@ -23,7 +23,8 @@ struct ChartParams {
     EnvironmentParams environment;  ///< of every scene
     int width = 512;
     int height = 512;
-    std::vector<SweepMethod> methods = sweepMethods();
+    int bounces = 1;                                          ///< kAllBounces: all
+    std::vector<SweepMethod> methods = chooseMethods({}, 1);  ///< that have these
     int reference_spp = 4096;  ///< more than any method sweeps, whose noise would be as great
     int repeats = 3;           ///< warm runs of a point; no more start after kEnoughSeconds
     std::string gl;            ///< --gl of the program; empty: its default
@@ -65,6 +66,7 @@ struct ChartScene {
 struct Chart {
     ChartHost host;
     int width = 0, height = 0;
+    int bounces = 1;
     int reference_spp = 0;
     int repeats = 0;
     std::vector<SweepMethod> methods;

@@ -9,6 +9,7 @@
 #include "chart/chart_scenes.h"
 #include "chart/child.h"
 #include "chart/point_file.h"
+#include "core/bounces.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "image/atomic_file.h"
@@ -102,6 +103,7 @@ class Sweep {
         return {.host = host_,
                 .width = params_.width,
                 .height = params_.height,
+                .bounces = params_.bounces,
                 .reference_spp = params_.reference_spp,
                 .repeats = params_.repeats,
                 .methods = params_.methods,
@@ -169,7 +171,15 @@ class Sweep {
         return task.stored && task.stored->measured.isComplete(params_.repeats);
     }
 
-    ImageKey keyOf(size_t scene, const std::vector<std::string>& arguments) const {
+    std::string bouncesText() const {
+        return params_.bounces == kAllBounces ? "all" : fmt::format("{}", params_.bounces);
+    }
+
+    // One bounce, which is the default, is not said: what was stored before stays.
+    ImageKey keyOf(size_t scene, std::vector<std::string> arguments) const {
+        if (params_.bounces != 1) {
+            arguments.insert(arguments.end(), {"--bounces", bouncesText()});
+        }
         return {.scene = identities_[scene].hash,
                 .camera = identities_[scene].camera,
                 .width = params_.width,
@@ -193,7 +203,7 @@ class Sweep {
             params.width = params_.width;
             params.height = params_.height;
             params.camera = params_.camera;
-            params.bounces = 1;
+            params.bounces = params_.bounces;
             params.caustics = 0;
             params.spp = params_.reference_spp;
             params.seed = kReferenceSeed;
@@ -417,7 +427,7 @@ class Sweep {
         for (const std::string& argument :
              {std::string("--size"), fmt::format("{}x{}", params_.width, params_.height),
               // As references are.
-              std::string("--aa"), std::string("1"), std::string("--bounces"), std::string("1"),
+              std::string("--aa"), std::string("1"), std::string("--bounces"), bouncesText(),
               // Some methods cannot tell them from other indirect light.
               std::string("--caustics"), std::string("none"), std::string("-o"), output,
               std::string("--json"), std::string("-")}) {

@@ -19,7 +19,8 @@ const std::vector<SweepMethod>& sweepMethods() {
          "octree (Ward)",
          {"--method", "octree"},
          "--accuracy",
-         {{"1.5", 0.7}, {"0.8", 1}, {"0.5", 2}, {"0.25", 8}}},
+         {{"1.5", 0.7}, {"0.8", 1}, {"0.5", 2}, {"0.25", 8}},
+         SweptBounces::kOne},
         {"hints",
          "radiance hints",
          {"--method", "hints"},
@@ -31,23 +32,31 @@ const std::vector<SweepMethod>& sweepMethods() {
          "radiance cache, rasterised",
          {"--method", "radiance", "--gather", "hemicube"},
          "--accuracy",
-         {{"2", 2}, {"1", 4}, {"0.4", 9}}},
+         {{"2", 2}, {"1", 4}, {"0.4", 9}},
+         SweptBounces::kOne},
         {"kmeans",
          "radiance cache, k-means",
          {"--method", "radiance", "--placement", "kmeans"},
          "--accuracy",
          {{"2", 0.6}, {"1", 1}, {"0.4", 2.3}}},
+        {"photons",
+         "radiance cache, photons",
+         {"--method", "radiance", "--kept-by", "photons"},
+         "--accuracy",
+         {{"2", 0.8}, {"1", 1.2}, {"0.4", 2.5}},
+         SweptBounces::kMore},
     };
     return kMethods;
 }
 
-std::vector<SweepMethod> chooseMethods(const std::vector<std::string>& names) {
+std::vector<SweepMethod> chooseMethods(const std::vector<std::string>& names, int bounces) {
     std::string known;
     for (const SweepMethod& method : sweepMethods()) {
         known += (known.empty() ? "" : ", ") + method.name;
     }
-    const auto named = [&names](const SweepMethod& method) {
-        return names.empty() || std::find(names.begin(), names.end(), method.name) != names.end();
+    const auto named = [&](const SweepMethod& method) {
+        return names.empty() ? method.has(bounces)
+                             : std::find(names.begin(), names.end(), method.name) != names.end();
     };
     for (const std::string& name : names) {
         const auto is_name = [&name](const SweepMethod& method) { return method.name == name; };
@@ -57,6 +66,13 @@ std::vector<SweepMethod> chooseMethods(const std::vector<std::string>& names) {
     }
     std::vector<SweepMethod> chosen;
     std::copy_if(sweepMethods().begin(), sweepMethods().end(), std::back_inserter(chosen), named);
+    for (const SweepMethod& method : chosen) {
+        if (!method.has(bounces)) {
+            throwUsage("--methods {}: {}", method.name,
+                       bounces == 1 ? "is of light of more bounces; use --bounces all"
+                                    : "computes one bounce; leave it out, or use --bounces 1");
+        }
+    }
     return chosen;
 }
 

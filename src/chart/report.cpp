@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "chart/point_file.h"
+#include "core/bounces.h"
 #include "image/atomic_file.h"
 
 namespace sheen {
@@ -116,6 +117,7 @@ Json figures(const Chart& chart) {
                  {"cpu", chart.host.cpu},
                  {"threads", chart.host.threads},
                  {"size", {chart.width, chart.height}},
+                 {"bounces", chart.bounces == kAllBounces ? Json("all") : Json(chart.bounces)},
                  {"reference_spp", chart.reference_spp},
                  {"repeats", chart.repeats},
                  {"methods", Json::array()},

@@ -18,6 +18,8 @@ const SHAPES = [
   {style: 'rectRot', path: 'M0 -5.5L5.5 0L0 5.5L-5.5 0Z'},
   {style: 'triangle', rotation: 180, path: 'M0 5.5L5.5 -4.5H-5.5Z'},
   {style: 'triangle', rotation: 90, path: 'M5.5 0L-4.5 5.5V-5.5Z'},
+  {style: 'triangle', rotation: 270, path: 'M-5.5 0L4.5 5.5V-5.5Z'},
+  {style: 'rectRounded', path: 'M-2 -4.5h4q2.5 0 2.5 2.5v4q0 2.5 -2.5 2.5h-4q-2.5 0 -2.5 -2.5v-4q0 -2.5 2.5 -2.5z'},
 ];
 const REFERENCE = -1;  // in place of a point's index
 const still = location.hash === '#charts';  // the charts alone, to take a picture of
@@ -65,12 +67,13 @@ function writeCaption() {
   const most = Math.max(...data.scenes.flatMap(scene => scene.points.map(point => point.runs.length)));
   const runs = most > 1 ? `the median of up to ${most} runs` : 'one run';
   const noises = data.scenes.map(scene => `${scene.name} ${percent(scene.reference.noise_rel_rmse)}`);
+  const bounces = data.bounces === 'all' ? 'all bounces' : data.bounces === 1 ? 'one bounce' : `${data.bounces} bounces`;
   $('caption').textContent =
       `Measured by sheen ${[...builds].join(', ')} at ${data.size[0]} × ${data.size[1]} pixels on ` +
       `${data.cpu}, ${data.threads} thread${data.threads === 1 ? '' : 's'}` +
       (renderers.size ? `, ${[...renderers].join(', ')}` : '') + '. ' +
       `Time is the wall clock of the whole command, from its start to the image on disk, ${runs} ` +
-      `with a warm shader cache. Errors are of the indirect light against ` +
+      `with a warm shader cache. Errors are of the indirect light of ${bounces} against ` +
       `path-traced references of ${data.reference_spp} paths a pixel, independent of the charted ` +
       `path tracer. Their own noise: ${noises.join(', ')}.`;
 }

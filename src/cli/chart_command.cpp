@@ -19,6 +19,7 @@ namespace {
 struct ChartOptions {
     std::vector<std::string> methods;
     std::string size = "512x512";
+    std::string bounces = "1";
     ChartParams params;
 };
 
@@ -97,7 +98,8 @@ ExitCode runChart(const CLI::App& app, ChartOptions& o, Ranks& ranks) {
     const ivec2 size = parseSize(o.size);
     o.params.width = size.x;
     o.params.height = size.y;
-    o.params.methods = chooseMethods(o.methods);
+    o.params.bounces = parseBounces(o.bounces);
+    o.params.methods = chooseMethods(o.methods, o.params.bounces);
     o.params.program = ownProgram();
     o.params.version = SHEEN_VERSION;
     if (ranks.count() > 1) {
@@ -134,10 +136,15 @@ Command addChart(CLI::App& program, Ranks& ranks) {
     for (const SweepMethod& method : sweepMethods()) {
         known += (known.empty() ? "" : ",") + method.name;
     }
-    app->add_option("--methods", options->methods, "Methods to sweep; default: " + known)
+    app->add_option("--methods", options->methods,
+                    "Methods to sweep; default: those that have the bounces of " + known)
         ->type_name("NAME,...")
         ->delimiter(',');
     app->add_option("--size", options->size, "Width x height in pixels, each 1..16384")
+        ->capture_default_str();
+    app->add_option("--bounces", options->bounces,
+                    "Bounces of indirect light: all, or so many at the most, 1..64; octree and "
+                    "rasterised have 1, photons more")
         ->capture_default_str();
     app->add_option("--camera", p.camera, "Name or number of a camera; default: the first");
     addEnvironmentOptions(*app, p.environment);
