@@ -149,6 +149,32 @@ TEST_F(CliTest, renderShowsByAViewOfAConfiguration) {
 }
 
 // Where there is no EGL it says so.
+// Another way to keep the same light, which says that it is less sure of it.
+TEST_F(CliTest, renderKeepsLightByPhotons) {
+    const auto estimateOf = [&](const std::string& options) {
+        const Outcome run =
+            call("render scene.gltf --size 24x16 --aa 1 --json a.json -o a.exr " + options);
+        EXPECT_EQ(run.code, 0) << run.err;
+        EXPECT_EQ(run.out.find("nodes of a cut") != std::string::npos, !options.empty()) << run.out;
+        return Json::parse(textOf(file("a.json")))["estimated_rel_rmse"].get<double>();
+    };
+    const double sure = estimateOf("");
+    const Image<vec3> by_elements = colorLayer(readExr(file("a.exr")), "indirect");
+    EXPECT_NEAR(estimateOf("--kept-by photons"), std::hypot(sure, 0.05), 0.02);
+    const Image<vec3> by_photons = colorLayer(readExr(file("a.exr")), "indirect");
+    double sum = 0.0, other = 0.0;
+    for (size_t i = 0; i < by_elements.pixels.size(); ++i) {
+        sum += by_elements.pixels[i].y;
+        other += by_photons.pixels[i].y;
+    }
+    EXPECT_NEAR(other, sum, 0.03 * sum);
+    expectError("render scene.gltf --kept-by photons --bounces 1", ExitCode::kUsage, "--bounces 1");
+    expectError("render scene.gltf --kept-by photons --target-error 0.02", ExitCode::kUsage,
+                "--kept-by elements");
+    expectError("render scene.gltf --kept-by photons --method octree", ExitCode::kUsage,
+                "--kept-by");
+}
+
 TEST_F(CliTest, renderByEitherOpenglIsTheSameImage) {
     const std::string render = "render scene.gltf --size 64x48 --bounces 1 --gather ";
     expectError(render + "ray --gl vulkan", ExitCode::kUsage, "--gl");

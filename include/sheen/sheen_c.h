@@ -105,6 +105,7 @@ typedef enum sheen_light_kind SHEEN_IS_INT {
     SHEEN_SPOT_LIGHT = 1,
     SHEEN_DIRECTIONAL_LIGHT = 2
 } sheen_light_kind;
+#undef SHEEN_IS_INT
 
 typedef struct sheen_light {
     sheen_light_kind kind;

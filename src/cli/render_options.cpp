@@ -403,6 +403,11 @@ void understandFrame(RenderOptions& o) {
     o.params.kept_by = kKeepers.at(o.kept_by);
     o.params.sh_order = parseShOrder(o.sh_order);
     o.params.bounces = bouncesOf(o);
+    if (o.params.bounces == 1 && o.params.kept_by == KeptBy::kPhotons) {
+        throwUsage(
+            "--kept-by photons: no light of more bounces is kept with {}",
+            o.params.gather_road == GatherRoad::kRaster ? "--gather " + o.gather : "--bounces 1");
+    }
     o.params.gl = parseGl(o.gl);
     o.to_display = displayOf(o);
     o.params.all_layers = o.layers == "all";

@@ -15,7 +15,7 @@ int threadCount();
 struct Stopped {};
 
 /// While it lives, loops that this thread begins throw Stopped soon after `stop`, which another
-/// thread may set, has become true. Bodies that have begun are ended.
+/// thread may set, has become true. A body that has begun runs to its end, or to a loop of its own.
 class StopScope {
   public:
     explicit StopScope(const std::atomic<bool>& stop);

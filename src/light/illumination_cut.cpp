@@ -21,7 +21,7 @@ constexpr int kRounds = 4;
 // Nodes are opened whose photons say less by more than this share of what they say.
 constexpr float kDifference = 1.2f;
 // Those of fewer photons say nothing sure of themselves.
-constexpr size_t kFewest = 16;
+constexpr size_t kFewest = 8;
 // A node has a side: photons turned by more than this cosine lie on another. Where these are more
 // than this share, it is opened.
 constexpr float kTurned = 0.7f;

@@ -184,7 +184,7 @@ PhotonTracer::Lit PhotonTracer::light(const SurfaceSide& side, const vec3& n, ui
             .irradiance = all[chosen].irradiance * (mean / luminance(all[chosen].irradiance))};
 }
 
-// Photon `number` of `count` at its first specular surface: lit, and on its way from there. Returns
+// Photon `number` of `count` at its first surface: lit, and on its way from there. Returns
 // the power that it started with.
 double PhotonTracer::start(const PhotonStarts& starts, int number, int count, uint32_t seed,
                            double most, std::vector<Flight>& flights) const {
@@ -260,9 +260,9 @@ std::optional<PhotonTracer::WayOn> PhotonTracer::scatter(const Flight& arrived, 
                  : std::nullopt;
 }
 
-// By what a surface reflects. Photons carry what the
-// integral over paths from the eye has: shading normals count on the side of the light, geometric
-// ones on the other [Vea97, 5.3].
+// Along a way on, of which as much goes on as the surface reflects. Photons carry what the integral
+// over paths from the eye has: shading normals count on the side of the light, geometric ones on the
+// other [Vea97, 5.3].
 std::optional<Flight> PhotonTracer::leave(const Flight& arrived, const SurfacePoint& p,
                                           const Scatterer& surface, const vec3& start,
                                           uint32_t use) const {

@@ -81,6 +81,8 @@ struct FinerPixels {
 
     FinerPixels(Receivers receivers_, const Receivers& coarse)
         : receivers(std::move(receivers_)), upsampling(coarse, receivers) {}
+    FinerPixels(const FinerPixels&) = delete;
+    FinerPixels& operator=(const FinerPixels&) = delete;
 };
 
 // A view at one size, while records are placed for it.
@@ -111,6 +113,24 @@ struct Level {
         }
     }
 
+    const Receivers& shownPixels() const { return finer ? finer->receivers : view.receivers; }
+    // What the shown pixels reflect of what the level's own receive.
+    Frame compose(SplatBuffer splat) const {
+        Image<vec3> by_rays = specularByRays(view, splat, full);
+        Image<vec3> of_coats = view.of_coats;
+        if (finer) {
+            Upsampling::Light light = finer->upsampling.of(splat, by_rays);
+            splat = std::move(light.splat);
+            by_rays = std::move(light.by_rays);
+            of_coats = of_coats.empty() ? Image<vec3>() : finer->upsampling.of(of_coats);
+        }
+        Frame frame;
+        sheen::compose(shownPixels(), splat, by_rays, true, frame);
+        for (size_t i = 0; i < of_coats.pixels.size(); ++i) {
+            frame.indirect.pixels[i] += of_coats.pixels[i];
+        }
+        return frame;
+    }
     static PlacementParams howOf(const RenderParams& params) {
         PlacementParams how = placementOf(params, params.placement.accuracy);
         how.batch = kBatch;
@@ -159,11 +179,11 @@ struct LiveImage::State {
     }
     void begin(int at) {
         level.reset();  // its records are kept
-        kept.dropToLatest(kMostKept);
         divisor = at;
         shown = false;
         level = std::make_unique<Level>(*built, paramsOf(at), paramsOf(std::max(at / 2, 1)), &kept,
                                         progress.seconds);
+        kept.dropToLatest(kMostKept);
     }
     RenderParams paramsOfWhole() const {
         RenderParams p = params;
@@ -244,8 +264,10 @@ void LiveImage::setParams(const RenderParams& params) {
     if (!cached || params.gather_road != GatherRoad::kRays) {
         throwUsage("--method: what is looked at live is radiance or irradiance by rays");
     }
-    checkRenderMemory(s_->scene, params);
     RenderParams wanted = params;
+    wanted.all_layers = true;  // as it is once it is complete
+    checkRenderMemory(s_->scene, wanted);
+    wanted.all_layers = params.all_layers;
     wanted.quiet = true;
     // Photons belong to a view, and would be traced again for each.
     wanted.caustics = 0;
@@ -271,9 +293,9 @@ void LiveImage::edit(const std::function<void(Scene&)>& change) {
     s_->changed = true;
 }
 
-void LiveImage::step(double seconds, const std::atomic<bool>* outdated) {
+bool LiveImage::step(double seconds, const std::atomic<bool>* outdated) {
     if (done()) {
-        return;
+        return false;
     }
     const bool changed = std::exchange(s_->changed, false);
     s_->progress.complete = false;
@@ -283,9 +305,11 @@ void LiveImage::step(double seconds, const std::atomic<bool>* outdated) {
             stop.emplace(*outdated);
         }
         s_->step(changed, seconds);
+        return true;
     } catch (const Stopped&) {
         s_->level.reset();
         s_->changed = true;
+        return false;
     } catch (...) {
         s_->level.reset();
         s_->changed = true;  // it begins anew
@@ -379,17 +403,18 @@ void LiveImage::State::finish() {
     progress.complete = true;
 }
 
+// Changes nothing before all is done that may be stopped.
 void LiveImage::State::show() {
     const Timer show_timer;
-    cache = level->placed.handOver();
-    weight = level->how.servingWeight();
+    RecordCache served = level->placed.handOver();
+    const WeightParams serving = level->how.servingWeight();
     const Timer splat_timer;
     const Receivers& receivers = level->view.receivers;
     SplatBuffer splat = receivers.positions.size() <= kFewPixels
-                            ? splatCpu(receivers, cache, weight)
-                            : splatView(*built, level->view, cache, weight);
-    progress.uncovered = level->full ? 0 : countUnserved(receivers, splat);
-    if (progress.uncovered > 0 && hints) {
+                            ? splatCpu(receivers, served, serving)
+                            : splatView(*built, level->view, served, serving);
+    const int unserved = level->full ? 0 : countUnserved(receivers, splat);
+    if (unserved > 0 && hints) {
         if (!level->hinted) {
             level->hinted = hints->at(receivers);
         }
@@ -397,31 +422,24 @@ void LiveImage::State::show() {
     }
     progress.seconds.splat += splat_timer.seconds();
     const Timer compose_timer;
-    frame = {};
-    Image<vec3> specular = specularByRays(level->view, splat, level->full);
-    Image<vec3> of_coats = level->view.of_coats;
-    const Receivers& seen = level->finer ? level->finer->receivers : receivers;
-    if (level->finer) {
-        const Upsampling& upsampling = level->finer->upsampling;
-        splat = upsampling.of(splat);
-        specular = upsampling.of(specular);
-        of_coats = of_coats.empty() ? Image<vec3>() : upsampling.of(of_coats);
-    }
-    compose(seen, splat, specular, true, frame);
-    for (size_t i = 0; i < of_coats.pixels.size(); ++i) {
-        frame.indirect.pixels[i] += of_coats.pixels[i];
-    }
-    frame.shows_sky = scene.environment.shows();
+    Frame made = level->compose(std::move(splat));
+    made.shows_sky = scene.environment.shows();
     progress.seconds.compose += compose_timer.seconds();
-    progress.width = seen.image.width;
-    progress.height = seen.image.height;
-    progress.records = static_cast<int>(cache.records.size());
-    progress.records_new = static_cast<int>(level->view.field.records.size() - level->began_with);
-    progress.estimated_rel_rmse = std::numeric_limits<double>::quiet_NaN();
-    orders = Image<float>(progress.width, progress.height);
+
+    const Receivers& seen = level->shownPixels();
+    frame = std::move(made);
+    cache = std::move(served);
+    weight = serving;
+    orders = Image<float>(frame.width(), frame.height());
     for (size_t i = 0; i < orders.pixels.size(); ++i) {
         orders.pixels[i] = std::max(static_cast<float>(seen.orders[i]), 0.0f);
     }
+    progress.width = frame.width();
+    progress.height = frame.height();
+    progress.uncovered = unserved * (seen.image.count() / receivers.image.count());
+    progress.records = static_cast<int>(cache.records.size());
+    progress.records_new = static_cast<int>(level->view.field.records.size() - level->began_with);
+    progress.estimated_rel_rmse = std::numeric_limits<double>::quiet_NaN();
     show_seconds = show_timer.seconds();
     shown = true;
 }

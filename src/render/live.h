@@ -59,8 +59,9 @@ class LiveImage {
     /// Works for about so many seconds, at the least on one frame: coarse where something has just
     /// changed, as fine as that time allows; finer with each step that follows.
     /// `outdated`, unless null: set by another thread when something is about to change; a step
-    /// that refines what is seen then ends soon, without a frame, and the next begins anew.
-    void step(double seconds, const std::atomic<bool>* outdated = nullptr);
+    /// that refines what is seen then ends soon, without a frame, and the next begins anew. Whether
+    /// there is another frame.
+    bool step(double seconds, const std::atomic<bool>* outdated = nullptr);
 
     const Frame& frame() const;
     const LiveProgress& progress() const;

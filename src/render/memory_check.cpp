@@ -79,6 +79,12 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     const bool records = usesRecords(params.method);
     const bool keeps = records && params.bounces > 1;
     const uint64_t kept = keeps ? kKept + kKeptPerTriangle * scene.triangles.size() : 0;
+    // Where photons start, and as they lie in the map, be they scattered many times.
+    constexpr uint64_t kStartsPerTriangle = 160, kPerPhotonKept = 2500;
+    const uint64_t by_photons = keeps && params.kept_by == KeptBy::kPhotons
+                                    ? kStartsPerTriangle * scene.triangles.size() +
+                                          kPerPhotonKept * static_cast<uint64_t>(params.photons)
+                                    : 0;
     const uint64_t cells = records ? kCells + kCellsPerTriangle * scene.triangles.size() : 0;
     const bool caustics =
         records && findsCaustics(params.method, params.gather_road) && anySpecular(scene);
@@ -86,8 +92,8 @@ void checkRenderMemory(const Scene& scene, const RenderParams& params) {
     const uint64_t hints = params.method == Method::kHints
                                ? kVolumes * kPerHint * static_cast<uint64_t>(params.hints)
                                : 0;
-    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept + cells + photons +
-                          hints + kPerTriangle * scene.triangles.size(),
+    checkMemory({.bytes = kProgram + bytesOfPixels(scene, params, pixels) + kept + by_photons +
+                          cells + photons + hints + kPerTriangle * scene.triangles.size(),
                  .threads = threadCount()},
                 fmt::format("an image of {}x{} pixels of {} triangles", params.width, params.height,
                             scene.triangles.size()),

@@ -214,7 +214,10 @@ std::string recordRecipe(const RenderParams& params) {
         params.method == Method::kIrradiance ? "irradiance" : "radiance", params.sh_order,
         params.gather_road == GatherRoad::kRays ? "rays" : "raster",
         static_cast<int>(params.gather.kind), params.gather.extent, params.bounces,
-        params.kept_by == KeptBy::kPhotons ? " by photons" : "", params.caustics > 0);
+        params.kept_by == KeptBy::kPhotons && params.bounces > 1
+            ? fmt::format(" by {} photons", params.photons)
+            : "",
+        params.caustics > 0);
 }
 
 Camera viewOf(const Scene& scene, const RenderParams& params) {
@@ -307,6 +310,11 @@ RenderResult Session::render(const RenderParams& params) {
             "--aa {}: only radiance and irradiance by rays, and reference, see more of a pixel "
             "than its middle; use --aa 1",
             params.aa);
+    }
+    if (params.target_error > 0.0 && params.kept_by == KeptBy::kPhotons && params.bounces > 1) {
+        throwUsage(
+            "--target-error: light that is kept by photons errs by up to 8%, whatever records do; "
+            "use --kept-by elements");
     }
     checkRenderMemory(scene_, params);
     RenderResult result = renderByMethod(params);

@@ -136,16 +136,16 @@ std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers
                                                                  const RenderParams& params,
                                                                  bool reuse) {
     const int bounces = params.bounces;
-    const KeptBy kept_by = params.kept_by;
     constexpr double kMoreLacking = 0.03;  // than where it was made for
     const std::vector<ElementSite> from = someOf(scene, receivers);
-    if (reuse && again && again->bounces() == bounces && again_by == kept_by &&
+    if (reuse && again && again->bounces() == bounces && again_by == params.kept_by &&
+        again_photons == params.photons &&
         again->lackingShare(from) <= again_lacking + kMoreLacking) {
         return again;
     }
     again.reset();  // never two of them in memory
     std::unique_ptr<const KeptLight> kept;
-    if (kept_by == KeptBy::kPhotons) {
+    if (params.kept_by == KeptBy::kPhotons) {
         kept = std::make_unique<PhotonLight>(tracer, *lights, params.photons, bounces);
     } else {
         kept = std::make_unique<ElementLight>(*outgoing, placeElements(tracer, from), bounces);
@@ -153,7 +153,8 @@ std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers
     auto made = std::make_shared<const ScatteredAgain>(*outgoing, std::move(kept), near, bounces);
     if (reuse) {
         again = made;
-        again_by = kept_by;
+        again_by = params.kept_by;
+        again_photons = params.photons;
         again_lacking = made->lackingShare(from);
     }
     return made;

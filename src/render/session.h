@@ -31,7 +31,8 @@ struct SceneState {
     /// Light kept on surfaces that serves the next view too, where records do.
     std::shared_ptr<const ScatteredAgain> again;
     KeptBy again_by = KeptBy::kElements;
-    double again_lacking = 0.0;  ///< near what share of where it was looked for no element is
+    int again_photons = 0;
+    double again_lacking = 0.0;  ///< near what share of where it was looked for nothing is
 
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
     SceneState(const Scene& scene, GatherRoad road, gl::Backend backend, StageSeconds& seconds);

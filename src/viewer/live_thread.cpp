@@ -246,7 +246,9 @@ void LiveThread::work() {
         runJobs(std::move(jobs));
         try {
             if (!image_->done() && !failed) {
-                image_->step(budget_, &outdated_);
+                if (!image_->step(budget_, &outdated_)) {
+                    continue;
+                }
                 ++steps_;
             } else if (!arrived) {
                 std::this_thread::sleep_for(std::chrono::duration<double>(budget_));
