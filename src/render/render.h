@@ -60,7 +60,7 @@ struct RenderParams {
     /// So often light is scattered, at the most, on its way to where it is indirect light.
     int bounces = kAllBounces;
     KeptBy kept_by = KeptBy::kElements;
-    int photons = 50'000;  ///< that start, for what is kept by them
+    int photons = 150'000;  ///< that start, for what is kept by them
     /// Photons by which it is found what specular surfaces make of lights (Frame::caustic); more
     /// are better. 0: that is part of the indirect light. The reference, which has no photons,
     /// keeps it apart as well. No cost where a scene has no such surfaces.
