@@ -122,12 +122,7 @@ TEST(Brdf, WhiteFurnaceNeverGainsEnergy) {
 // Light that microfacets scatter more than once is not lost, whatever the view and the roughness.
 TEST(Brdf, WhiteSurfacesReflectAllOfTheLight) {
     constexpr double kError = 0.01;
-    MaterialParams params{.base_color = vec3(1.0f),
-                          .metallic = 1.0f,
-                          .specular_color = vec3(1.0f),
-                          .specular = 1.0f,
-                          .emission = vec3(0.0f),
-                          .roughness = 0.0f};
+    MaterialParams params = glossyParams(vec3(1.0f), 1.0f, 0.0f);
     for (const float roughness : {0.03f, 0.2f, 0.5f, 0.8f, 1.0f}) {
         params.roughness = roughness;
         for (const float mu : {0.05f, 0.2f, 0.6f, 1.0f}) {
@@ -144,12 +139,7 @@ TEST(Brdf, WhiteSurfacesReflectAllOfTheLight) {
 
 // Layers take from the surface what they reflect: white ones on white lose and gain nothing.
 TEST(Layers, WhiteOnWhiteReflectsAllOfTheLight) {
-    const MaterialParams white{.base_color = vec3(1.0f),
-                               .metallic = 0.0f,
-                               .specular_color = vec3(1.0f),
-                               .specular = 1.0f,
-                               .emission = vec3(0.0f),
-                               .roughness = 0.7f};
+    const MaterialParams white = glossyParams(vec3(1.0f), 0.0f, 0.7f);
     for (const float NoV : {0.05f, 0.4f, 1.0f}) {
         const vec2 ab = brdfAlbedo(NoV, white.roughness);
         const Brdf below = shared::makeBrdf(white, ab);
@@ -190,12 +180,7 @@ TEST(Layers, FibresReflectWhatTheirDistributionSays) {
 // What meets a coloured surface again is coloured again.
 TEST(Brdf, RoughGoldIsNoPalerThanSmoothGoldAndReflectsLess) {
     const vec3 gold(1.0f, 0.7f, 0.2f);
-    const MaterialParams params{.base_color = gold,
-                                .metallic = 1.0f,
-                                .specular_color = vec3(1.0f),
-                                .specular = 1.0f,
-                                .emission = vec3(0.0f),
-                                .roughness = 1.0f};
+    const MaterialParams params = glossyParams(gold, 1.0f, 1.0f);
     const vec2 ab = brdfAlbedo(0.7f, params.roughness);
     const Brdf brdf = shared::makeBrdf(params, ab);
     const vec3 albedo = brdf.f0 * ab.x + vec3(brdf.f90 * ab.y);
@@ -214,12 +199,7 @@ TEST(Brdf, SmoothMirrorReflectsAllByFresnel) {
 }
 
 TEST(Brdf, WhiteDiffuseBaseUnderALobeReflectsEverythingTheLobeLeaves) {
-    MaterialParams params{.base_color = vec3(1.0f),
-                          .metallic = 0.0f,
-                          .specular_color = vec3(1.0f),
-                          .specular = 1.0f,
-                          .emission = vec3(0.0f),
-                          .roughness = 0.6f};
+    MaterialParams params = glossyParams(vec3(1.0f), 0.0f, 0.6f);
     const vec2 ab = brdfAlbedo(0.7f, params.roughness);
     const Brdf brdf = shared::makeBrdf(params, ab);
     EXPECT_NEAR(brdf.diffuse.x + brdf.f0.x * ab.x + brdf.f90 * ab.y, 1.0f, 1e-6f);

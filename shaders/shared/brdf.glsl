@@ -38,6 +38,8 @@ struct MaterialParams {
     float specular;
     vec3 emission;        // radiance, nits
     float roughness;      // perceptual
+    vec3 film;            // how much of it has a thin film, its index, its thickness in nanometres
+    float transmission;   // how much of what enters a dielectric passes: KHR_materials_transmission
 };
 
 // Continuous sample coordinates (x: NoV, y: roughness) in the albedo table, 0..size-1.
@@ -80,6 +82,7 @@ FN vec3 microfacetGain(IN(vec3) f0, IN(vec2) albedo_ab) {
     return vec3(1.0f) + f0 * max(1.0f / once - 1.0f, 0.0f);
 }
 
+// What a surface transmits is what it does not scatter, of the light that its lobe does not reflect.
 // `albedo_ab` is the albedo table at (NoV, roughness). f90 is one number for all channels, and so is
 // its gain, by the mean f0. [glTF, KHR_materials_specular]
 FN Brdf makeBrdf(IN(MaterialParams) m, IN(vec2) albedo_ab) {
@@ -92,7 +95,7 @@ FN Brdf makeBrdf(IN(MaterialParams) m, IN(vec2) albedo_ab) {
     b.f90 *= (gain.x + gain.y + gain.z) / 3.0f;
     b.alpha = alphaFromRoughness(m.roughness);
     vec3 e_spec = b.f0 * albedo_ab.x + vec3(b.f90 * albedo_ab.y);
-    b.diffuse = (1.0f - m.metallic) * m.base_color * (vec3(1.0f) - e_spec);
+    b.diffuse = (1.0f - m.metallic) * (1.0f - m.transmission) * m.base_color * (vec3(1.0f) - e_spec);
     return b;
 }
 

@@ -39,6 +39,8 @@ FN Brdf twinBrdf(IN(vec4) c, IN(vec4) d) {
     m.specular = abs(d.y);
     m.emission = vec3(0.0f);
     m.roughness = abs(d.z);
+    m.film = vec3(0.0f);
+    m.transmission = 0.25f * abs(c.w);
     return makeBrdf(m, vec2(0.7f, 0.1f) * abs(d.w));
 }
 

@@ -98,7 +98,7 @@ Measurement measurementFromJson(const Json& json) {
 
 std::string contentHash(const Scene& scene) {
     // These are hashed as bytes, so they must have no padding.
-    static_assert(sizeof(MaterialParams) == 12 * sizeof(float));
+    static_assert(sizeof(MaterialParams) == 16 * sizeof(float));
     static_assert(sizeof(TextureUse) == 2 * sizeof(int) + 6 * sizeof(float));
     static_assert(sizeof(PunctualLight) == 16 * sizeof(float));
     Hash hash;

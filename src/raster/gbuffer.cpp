@@ -106,7 +106,7 @@ GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& imag
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
     if (std::any_of(scene.materials.begin(), scene.materials.end(),
                     [](const Material& m) { return m.blended; })) {
-        result.share = Image<float>(width, height);
+        result.share = Image<vec3>(width, height);
     }
     std::vector<int> veils(static_cast<size_t>(height), 0);  // by row
     parallelFor(height, [&](int y) {

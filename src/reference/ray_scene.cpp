@@ -51,6 +51,14 @@ RayHit hitOf(const RTCRayHit& ray) {
     return {.triangle = ray.hit.primID, .u = ray.hit.u, .v = ray.hit.v};
 }
 
+// In [0, 1), the same whenever the same point is hit.
+float chanceAt(const RayHit& hit) {
+    const uint32_t bits =
+        hashCombine(hashCombine(hash32(hit.triangle), std::bit_cast<uint32_t>(hit.u)),
+                    std::bit_cast<uint32_t>(hit.v));
+    return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
+
 // What is not there, a ray does not meet.
 void rejectMasked(const RTCFilterFunctionNArguments* a) {
     const auto* scene = static_cast<const Scene*>(a->geometryUserPtr);
@@ -142,37 +150,38 @@ RTCRayHit RayScene::closest(const vec3& origin, const vec3& direction, float fro
     return ray;
 }
 
-float RayScene::coverage(const RayHit& hit) const {
-    return coverageAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
-}
-
-// By chance, the same whenever the same point is hit.
-bool RayScene::stops(const RayHit& hit) const {
-    const uint32_t bits =
-        hashCombine(hashCombine(hash32(hit.triangle), std::bit_cast<uint32_t>(hit.u)),
-                    std::bit_cast<uint32_t>(hit.v));
-    return static_cast<float>(bits >> 8) * 0x1p-24f < coverage(hit);
+Crossing RayScene::crossing(const RayHit& hit, const vec3& direction) const {
+    return crossingAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v), direction);
 }
 
 RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
+    vec3 weight(1.0f);
     for (float from = 0.0f;;) {
         const RTCRayHit ray = closest(origin, direction, from, kInfinity);
-        const RayHit hit = hitOf(ray);
-        if (!blended_ || !hit.found() || stops(hit)) {
+        RayHit hit = hitOf(ray);
+        hit.weight = weight;
+        if (!blended_ || !hit.found()) {
             return hit;
         }
+        const Crossing at = crossing(hit, direction);
+        if (chanceAt(hit) < at.chance) {
+            hit.weight *= at.weightOfMeeting();
+            return hit;
+        }
+        weight *= at.weightOfPassing();
         from = std::nextafter(ray.ray.tfar, kInfinity);
     }
 }
 
 std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction) const {
     std::vector<Seen> seen;
-    float share = 1.0f;
+    vec3 share(1.0f);
+    float chance = 1.0f;
     for (float from = 0.0f;;) {
         const RTCRayHit ray = closest(origin, direction, from, kInfinity);
         const RayHit hit = hitOf(ray);
         if (!hit.found()) {
-            seen.push_back({.hit = hit, .share = share});
+            seen.push_back({.hit = hit, .share = share, .chance = chance});
             return seen;
         }
         from = std::nextafter(ray.ray.tfar, kInfinity);
@@ -180,31 +189,34 @@ std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction) const
             scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
             continue;
         }
-        const float stopped = blended_ ? coverage(hit) : 1.0f;
-        seen.push_back({.hit = hit, .share = share * stopped});
-        share *= 1.0f - stopped;
-        if (share == 0.0f) {
+        const Crossing at = blended_
+                                ? crossing(hit, direction)
+                                : Crossing{.meets = 1.0f, .chance = 1.0f, .passes = vec3(0.0f)};
+        seen.push_back({.hit = hit, .share = share * at.meets, .chance = chance * at.chance});
+        share *= at.passes;
+        chance *= 1.0f - at.chance;
+        if (share == vec3(0.0f)) {
             return seen;
         }
     }
 }
 
-float RayScene::passing(const ShadowRay& shadow) const {
+vec3 RayScene::passing(const ShadowRay& shadow) const {
     if (!blended_) {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         RTCRay ray = makeRay(shadow.origin, shadow.direction, shadow.distance);
         rtcOccluded1(embree_.get(), &context, &ray);
-        return ray.tfar < 0.0f ? 0.0f : 1.0f;  // Embree's sign for "something was hit"
+        return vec3(ray.tfar < 0.0f ? 0.0f : 1.0f);  // Embree's sign for "something was hit"
     }
-    float share = 1.0f;
-    for (float from = 0.0f; share > 0.0f;) {
+    vec3 share(1.0f);
+    for (float from = 0.0f; share != vec3(0.0f);) {
         const RTCRayHit ray = closest(shadow.origin, shadow.direction, from, shadow.distance);
         const RayHit hit = hitOf(ray);
         if (!hit.found()) {
             break;
         }
-        share *= 1.0f - coverage(hit);
+        share *= crossing(hit, shadow.direction).passes;
         from = std::nextafter(ray.ray.tfar, kInfinity);
     }
     return share;
@@ -237,10 +249,10 @@ void RayScene::intersect(const vec3& origin, std::span<const vec3> directions, R
     }
 }
 
-void RayScene::passing(std::span<const ShadowRay> rays, float* shares) const {
+void RayScene::passing(std::span<const ShadowRay> rays, vec3* shares) const {
     if (blended_) {
         std::transform(rays.begin(), rays.end(), shares, [&](const ShadowRay& ray) {
-            return ray.distance > 0.0f ? passing(ray) : 1.0f;
+            return ray.distance > 0.0f ? passing(ray) : vec3(1.0f);
         });
         return;
     }
@@ -255,7 +267,7 @@ void RayScene::passing(std::span<const ShadowRay> rays, float* shares) const {
     }
     rtcOccluded8(cast, embree_.get(), &context, &packet);
     for (size_t k = 0; k < rays.size(); ++k) {
-        shares[k] = cast[k] != 0 && packet.tfar[k] < 0.0f ? 0.0f : 1.0f;
+        shares[k] = vec3(cast[k] != 0 && packet.tfar[k] < 0.0f ? 0.0f : 1.0f);
     }
 }
 

@@ -34,7 +34,7 @@ const std::map<std::string, const char*> kExtensions = {
     {"KHR_materials_sheen", "approximated: as diffuse light of the same albedo"},
     {"KHR_materials_specular", kRight},
     {"KHR_materials_transmission",
-     "approximated: light passes straight, neither tinted nor blurred"},
+     "approximated: light passes straight, neither refracted nor blurred"},
     {"KHR_materials_unlit", "approximated: its colour is emission, which lights the scene"},
     {"KHR_materials_variants", kRight},
     {"KHR_materials_volume", kIgnored},

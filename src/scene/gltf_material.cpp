@@ -13,7 +13,9 @@ const MaterialParams kStandard = {.base_color = vec3(1.0f),
                                   .specular_color = vec3(1.0f),
                                   .specular = 1.0f,
                                   .emission = vec3(0.0f),
-                                  .roughness = 1.0f};
+                                  .roughness = 1.0f,
+                                  .film = vec3(0.0f),
+                                  .transmission = 0.0f};
 
 float clampedFactor(File& file, double value, double upper, const std::string& where,
                     const char* what) {
@@ -179,31 +181,18 @@ void readCoverage(File& file, const tinygltf::Material& source, const std::strin
     }
 }
 
-// Glass as a veil: what it transmits passes straight, of coloured glass the mean of its channels,
-// and it covers as much as it does not. There it reflects and scatters so much more that in all it
-// does as much as the surface.
+// Light passes it as it does what is blended: straight.
 void readTransmission(File& file, const tinygltf::Value& extension, const std::string& where,
-                      Material& material) {
-    constexpr float kLeastCover = 1.0f / 128.0f;  // is seen
-    if (extension.Has("transmissionTexture")) {
-        file.notes.add(
-            fmt::format("{}: transmissionTexture is not supported: shown opaque", where));
-        return;
-    }
-    MaterialParams& params = material.params;
-    const float enters =
-        (1.0f - params.metallic) *
+                      TextureLoader& loader, Material& material) {
+    material.params.transmission =
         clampedFactor(file, numberMember(file, extension, "transmissionFactor", 0.0, where), 1.0,
                       where, "transmissionFactor");
-    const float reflected =
-        std::min(kUsualF0 * maxAbs(params.specular_color), 1.0f) * params.specular;
-    const float tint = (params.base_color.x + params.base_color.y + params.base_color.z) / 3.0f;
-    const float cover = std::max(1.0f - enters * (1.0f - reflected) * tint, kLeastCover);
-    params.base_color = glm::min(params.base_color * (1.0f - enters) / cover, vec3(1.0f));
-    params.specular_color /= cover;
-    params.emission /= cover;
-    material.alpha = (material.lightPasses() ? material.alpha : 1.0f) * cover;
-    material.blended = true;
+    material.textures[shared::TEXTURE_TRANSMISSION] =
+        loader.use(memberTexture(file, extension, "transmissionTexture", where), false, where);
+    if (material.transmits()) {
+        material.alpha = material.lightPasses() ? material.alpha : 1.0f;
+        material.blended = true;
+    }
 }
 
 void readClearcoat(File& file, const tinygltf::Value& extension, const std::string& where,
@@ -256,7 +245,9 @@ void makeUnlit(Material& material) {
                        .specular_color = vec3(1.0f),
                        .specular = 0.0f,
                        .emission = material.params.base_color,
-                       .roughness = 1.0f};
+                       .roughness = 1.0f,
+                       .film = vec3(0.0f),
+                       .transmission = 0.0f};
     const TextureUse color = material.textures[shared::TEXTURE_BASE_COLOR];
     material.textures = {};
     material.normal_texture = {};
@@ -282,7 +273,7 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     const bool unlit = source.extensions.count("KHR_materials_unlit") > 0;
     if (const auto* extension = extensionOf(source, "KHR_materials_transmission");
         extension != nullptr && !unlit) {
-        readTransmission(file, *extension, where, material);
+        readTransmission(file, *extension, where, loader, material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_clearcoat")) {
         readClearcoat(file, *extension, where, loader, material);
@@ -375,7 +366,8 @@ void dropIdleBlending(Scene& scene) {
             !material.alpha_texture.used() ||
             opaqueTexels(scene.images[static_cast<size_t>(
                 scene.textures[static_cast<size_t>(material.alpha_texture.texture)].image)]);
-        if (material.blended && material.alpha == 1.0f && opaque_vertices && opaque_texture) {
+        if (material.blended && !material.transmits() && material.alpha == 1.0f &&
+            opaque_vertices && opaque_texture) {
             material.blended = false;
             material.alpha_texture = {};
         }

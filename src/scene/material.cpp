@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "scene/brdf_albedo.h"
 #include "scene/scene.h"
 
 namespace sheen {
@@ -198,6 +200,28 @@ float coverageAt(const Scene& scene, uint32_t triangle, const vec3& barycentric)
         return alpha < material.alpha_cutoff ? 0.0f : 1.0f;
     }
     return alpha < kUnseen ? 0.0f : alpha > 1.0f - kUnseen ? 1.0f : alpha;
+}
+
+Crossing crossingAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                    const vec3& along) {
+    constexpr float kLeastChance = 1.0f / 128.0f;  // clear glass may emit, or have a coat
+    const float alpha = coverageAt(scene, triangle, barycentric);
+    if (alpha == 0.0f || !scene.materials[scene.materials_of[triangle]].transmits()) {
+        return {.meets = alpha, .chance = alpha, .passes = vec3(1.0f - alpha)};
+    }
+    const vec3 n_g = shared::faceViewer(geometricNormal(scene, static_cast<int>(triangle)), -along);
+    const ShadingNormals normals = normalsAt(scene, triangle, barycentric, n_g, -along);
+    const float NoV = glm::dot(normals.mapped, -along);
+    // What it would scatter if it transmitted nothing.
+    MaterialParams opaque = materialAt(scene, triangle, barycentric);
+    const float transmission = std::exchange(opaque.transmission, 0.0f);
+    const Brdf brdf = shared::makeBrdf(opaque, brdfAlbedo(NoV, opaque.roughness));
+    const float under = shareUnderLayers(layersAt(scene, triangle, barycentric), NoV,
+                                         glm::dot(normals.smooth, -along));
+    const vec3 passes = (1.0f - alpha) + alpha * transmission * under * brdf.diffuse;
+    return {.meets = alpha,
+            .chance = std::clamp(1.0f - maxAbs(passes), kLeastChance, 1.0f),
+            .passes = passes};
 }
 
 vec3 meanEmission(const Scene& scene, uint32_t triangle) {

@@ -76,6 +76,8 @@ struct Material {
     bool masked() const { return alpha_cutoff > 0.0f; }
     /// Whether light may pass some point of it.
     bool lightPasses() const { return masked() || blended; }
+    /// Whether it is glass, at some point.
+    bool transmits() const { return params.transmission > 0.0f && params.metallic < 1.0f; }
     /// Whether some point of it does.
     bool emits() const { return params.emission != vec3(0.0f); }
 };

@@ -167,9 +167,25 @@ bool maybeSpecular(const Scene& scene, const Material& material);
 vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                 float footprint = 0.0f);
 
-/// What share of the light the surface stops, scatters or adds to at a point; the rest passes. 1
-/// without alpha; by a mask 0 or 1; where it is blended, its alpha.
+/// What share of the light the surface meets at a point, to which it does what its material says;
+/// the rest passes. 1 without alpha; by a mask 0 or 1; where it is blended, its alpha.
 float coverageAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+
+/// What becomes of light that comes to a point of a surface along a ray.
+struct Crossing {
+    float meets;   ///< its share that the material scatters, coverageAt()
+    float chance;  ///< by which a ray is to meet the surface, that meets it or passes
+    vec3 passes;   ///< its share that goes on straight, of each channel
+
+    /// What light counts that such a ray finds there, and what it finds behind.
+    float weightOfMeeting() const { return chance > 0.0f ? meets / chance : 0.0f; }
+    vec3 weightOfPassing() const { return passes / (1.0f - chance); }
+};
+
+/// Along a unit direction, from either side. Glass passes what its lobe does not reflect there, in
+/// its colour [glTF, KHR_materials_transmission]: of a point alone, no texture is averaged.
+Crossing crossingAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                    const vec3& along);
 
 /// Of all points of a triangle, nits.
 vec3 meanEmission(const Scene& scene, uint32_t triangle);
