@@ -11,7 +11,7 @@ namespace {
 Json& materialOf(GltfFile& file) { return file.json["materials"][0]; }
 
 vec3 f0At(const Scene& scene) {
-    return shared::makeBrdf(materialAt(scene, 0, vec3(1, 0, 0)), vec2(1.0f, 0.0f)).f0;
+    return shared::makeBrdf(materialAt(scene, 0, vec3(1, 0, 0)), 1.0f, vec2(1.0f, 0.0f)).f0;
 }
 
 TEST(MaterialIor, IsTheReflectanceAtNormalIncidence) {
@@ -119,7 +119,7 @@ TEST(MaterialTransmission, PassesLightInItsColour) {
     const Scene milk = file.load();
     EXPECT_LT(maxAbs(passesAt(milk) - 0.2f * clear), kError);
     const MaterialParams at = materialAt(milk, 0, vec3(1, 0, 0));
-    EXPECT_NEAR(shared::makeBrdf(at, vec2(0.0f)).diffuse.z, 0.8f, 1e-6f);
+    EXPECT_NEAR(shared::makeBrdf(at, 1.0f, vec2(0.0f)).diffuse.z, 0.8f, 1e-6f);
     transmission.erase("transmissionTexture");
 
     materialOf(file)["alphaMode"] = "BLEND";

@@ -90,7 +90,9 @@ const int TEXTURE_EMISSION = 2;
 const int TEXTURE_SPECULAR = 3;  // alpha
 const int TEXTURE_SPECULAR_COLOR = 4;
 const int TEXTURE_TRANSMISSION = 5;  // red
-const int TEXTURE_USES = 6;
+const int TEXTURE_FILM = 6;          // red
+const int TEXTURE_FILM_THICKNESS = 7;  // green
+const int TEXTURE_USES = 8;
 
 // The material with a texel of one of its textures, linear light, applied: a factor.
 FN MaterialParams withTexel(IN(MaterialParams) material, int use, IN(vec4) texel) {
@@ -107,8 +109,12 @@ FN MaterialParams withTexel(IN(MaterialParams) material, int use, IN(vec4) texel
         m.specular *= texel.w;
     } else if (use == TEXTURE_SPECULAR_COLOR) {
         m.specular_color *= color;
-    } else {
+    } else if (use == TEXTURE_TRANSMISSION) {
         m.transmission *= texel.x;
+    } else if (use == TEXTURE_FILM) {
+        m.film.x *= texel.x;
+    } else {
+        m.film.z *= texel.y;
     }
     return m;
 }

@@ -83,7 +83,7 @@ EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<ve
             const MaterialParams material = materialAt(scene, triangle, at);
             const Layers layers = layersAt(scene, triangle, at);
             Brdf brdf =
-                underLayers(shared::makeBrdf(material, brdfAlbedo(1.0f, material.roughness)),
+                underLayers(shared::makeBrdf(material, 1.0f, brdfAlbedo(1.0f, material.roughness)),
                             layers, 1.0f, 1.0f);
             brdf.diffuse += coatAlbedo(layers, 1.0f);
             const vec3 specular = specularAlbedo(1.0f, material.roughness, brdf.f0, brdf.f90);

@@ -89,7 +89,7 @@ inline Scatterer underLayersAt(const SurfacePoint& p, const MaterialParams& mate
     const float NoV = glm::dot(surface.n, p.wo);
     // A Lambertian surface needs no albedo of a lobe it does not have.
     surface.brdf = shared::makeBrdf(
-        material, isLambertian(material) ? vec2(0.0f) : brdfAlbedo(NoV, material.roughness));
+        material, NoV, isLambertian(material) ? vec2(0.0f) : brdfAlbedo(NoV, material.roughness));
     if (!layers.none()) {
         surface.brdf = underLayers(surface.brdf, layers, NoV, glm::dot(normals.smooth, p.wo));
     }

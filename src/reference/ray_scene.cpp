@@ -297,12 +297,12 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pi
     const MaterialParams material = materialAt(scene_, hit.triangle, at, footprint);
     // Only a Lambertian surface has no specular lobe, whatever the table says of one.
     const bool lambertian = material.specular == 0.0f && material.metallic == 0.0f;
-    const vec2 albedo_ab =
-        lambertian ? vec2(0.0f) : brdfAlbedo(glm::dot(s.n, wo), material.roughness);
-    s.brdf = shared::makeBrdf(material, albedo_ab);
+    const float NoV = glm::dot(s.n, wo);
+    const vec2 albedo_ab = lambertian ? vec2(0.0f) : brdfAlbedo(NoV, material.roughness);
+    s.brdf = shared::makeBrdf(material, NoV, albedo_ab);
     if (const Layers layers = layersAt(scene_, hit.triangle, at, footprint); !layers.none()) {
         const float NoV_coat = glm::dot(normals.smooth, wo);
-        s.brdf = underLayers(s.brdf, layers, glm::dot(s.n, wo), NoV_coat);
+        s.brdf = underLayers(s.brdf, layers, NoV, NoV_coat);
         if (layers.coat > 0.0f) {
             s.coat = {.brdf = coatBrdf(layers),
                       .n = normals.smooth,

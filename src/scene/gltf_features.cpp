@@ -27,7 +27,7 @@ const std::map<std::string, const char*> kExtensions = {
     {"KHR_materials_dispersion", kIgnored},
     {"KHR_materials_emissive_strength", kRight},
     {"KHR_materials_ior", kRight},
-    {"KHR_materials_iridescence", kIgnored},
+    {"KHR_materials_iridescence", "approximated: by the angle at which the surface is seen"},
     {"KHR_materials_pbrSpecularGlossiness",
      "approximated: a dielectric with that specular colour, which takes from the diffuse light by "
      "its albedo"},

@@ -224,6 +224,36 @@ void readSheen(File& file, const tinygltf::Value& extension, const std::string& 
         loader.use(memberTexture(file, extension, "sheenRoughnessTexture", where), false, where);
 }
 
+// A film as thick as its upper bound, and by a texture thinner.
+void readIridescence(File& file, const tinygltf::Value& extension, const std::string& where,
+                     TextureLoader& loader, Material& material) {
+    constexpr double kMostNumber = std::numeric_limits<float>::max();
+    const auto factor = [&](const char* key, double fallback, double upper) {
+        return clampedFactor(file, numberMember(file, extension, key, fallback, where), upper,
+                             where, key);
+    };
+    vec3& film = material.params.film;
+    film.x = factor("iridescenceFactor", 0.0, 1.0);
+    film.y = factor("iridescenceIor", 1.3, kMostNumber);
+    const float thinnest = factor("iridescenceThicknessMinimum", 100.0, kMostNumber);
+    film.z = factor("iridescenceThicknessMaximum", 400.0, kMostNumber);
+    if (film.y < 1.0f) {
+        file.notes.add(
+            fmt::format("{}: iridescenceIor {} is below 1 and counts as 1", where, film.y));
+        film.y = 1.0f;
+    }
+    material.textures[shared::TEXTURE_FILM] =
+        loader.use(memberTexture(file, extension, "iridescenceTexture", where), false, where);
+    const TextureUse thickness = loader.use(
+        memberTexture(file, extension, "iridescenceThicknessTexture", where), false, where);
+    const float thickest = std::max(thinnest, film.z);
+    if (thickness.used() && thickest > 0.0f) {
+        material.textures[shared::TEXTURE_FILM_THICKNESS] =
+            loader.withGreenBetween(thickness, thinnest / thickest, film.z / thickest);
+        film.z = thickest;
+    }
+}
+
 // A round lobe as wide as the elliptical one is on average: widths are alpha and, along the
 // direction, mix(alpha, 1, strength^2).
 void readAnisotropy(File& file, const tinygltf::Value& extension, const std::string& where,
@@ -280,6 +310,9 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_sheen")) {
         readSheen(file, *extension, where, loader, material);
+    }
+    if (const auto* extension = extensionOf(source, "KHR_materials_iridescence")) {
+        readIridescence(file, *extension, where, loader, material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_anisotropy")) {
         readAnisotropy(file, *extension, where, material);

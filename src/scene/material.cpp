@@ -215,7 +215,7 @@ Crossing crossingAt(const Scene& scene, uint32_t triangle, const vec3& barycentr
     // What it would scatter if it transmitted nothing.
     MaterialParams opaque = materialAt(scene, triangle, barycentric);
     const float transmission = std::exchange(opaque.transmission, 0.0f);
-    const Brdf brdf = shared::makeBrdf(opaque, brdfAlbedo(NoV, opaque.roughness));
+    const Brdf brdf = shared::makeBrdf(opaque, NoV, brdfAlbedo(NoV, opaque.roughness));
     const float under = shareUnderLayers(layersAt(scene, triangle, barycentric), NoV,
                                          glm::dot(normals.smooth, -along));
     const vec3 passes = (1.0f - alpha) + alpha * transmission * under * brdf.diffuse;
