@@ -30,6 +30,7 @@ struct GBuffer {
     // Of clear coats; empty where no material has one.
     Image<float> coat;            ///< how much of the surface is coated
     Image<float> coat_roughness;  ///< perceptual
+    Image<vec3> coat_normal;      ///< by normal maps of their own; empty where none has one
     Image<vec3> direct;           ///< radiance of direct light
     Image<vec3> emission;         ///< radiance; empty where no material emits and no sky shows
     Image<uint32_t> primitive;

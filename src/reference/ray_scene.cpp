@@ -301,11 +301,11 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pi
     const vec2 albedo_ab = lambertian ? vec2(0.0f) : brdfAlbedo(NoV, material.roughness);
     s.brdf = shared::makeBrdf(material, NoV, albedo_ab);
     if (const Layers layers = layersAt(scene_, hit.triangle, at, footprint); !layers.none()) {
-        const float NoV_coat = glm::dot(normals.smooth, wo);
+        const float NoV_coat = glm::dot(normals.coat, wo);
         s.brdf = underLayers(s.brdf, layers, NoV, NoV_coat);
         if (layers.coat > 0.0f) {
             s.coat = {.brdf = coatBrdf(layers),
-                      .n = normals.smooth,
+                      .n = normals.coat,
                       .albedo = coatAlbedo(layers, NoV_coat)};
         }
     }

@@ -206,8 +206,11 @@ void readClearcoat(File& file, const tinygltf::Value& extension, const std::stri
         loader.use(memberTexture(file, extension, "clearcoatTexture", where), false, where);
     material.coat_roughness_texture = loader.use(
         memberTexture(file, extension, "clearcoatRoughnessTexture", where), false, where);
-    if (material.layers.coat > 0.0f && extension.Has("clearcoatNormalTexture")) {
-        file.notes.add("clearcoatNormalTexture is not supported: the coat is shown smooth");
+    if (extension.Has("clearcoatNormalTexture")) {
+        const tinygltf::Value& normal = extension.Get("clearcoatNormalTexture");
+        material.coat_normal_texture = loader.use(textureInfo(file, normal, where), false, where);
+        material.coat_normal_scale =
+            finiteFloat(file, numberMember(file, normal, "scale", 1.0, where), where, "scale");
     }
 }
 
@@ -281,6 +284,7 @@ void makeUnlit(Material& material) {
     const TextureUse color = material.textures[shared::TEXTURE_BASE_COLOR];
     material.textures = {};
     material.normal_texture = {};
+    material.coat_normal_texture = {};
     material.layers = {};
     material.textures[shared::TEXTURE_EMISSION] = color;
 }

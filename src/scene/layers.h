@@ -28,7 +28,7 @@ float coatAlbedo(const Layers& layers, float NoV);
 float fibreAlbedo(float NoV, float roughness);
 
 /// What share of the light toward the viewer its layers leave to the surface. `NoV_coat`: the coat
-/// is smooth where the surface has a normal map.
+/// has normals of its own.
 float shareUnderLayers(const Layers& layers, float NoV, float NoV_coat);
 
 /// The surface below: what its layers reflect toward the viewer it does not get. What fibres

@@ -86,15 +86,21 @@ ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& bary
     };
     const vec3 n = shared::interpolatedNormal(interpolated(scene.normals), n_g);
     ShadingNormals normals;
-    normals.smooth = normals.mapped = shared::shadingNormal(n, n_g, wo);
+    normals.smooth = normals.mapped = normals.coat = shared::shadingNormal(n, n_g, wo);
     const Material& material = scene.materials[scene.materials_of[triangle]];
-    if (material.normal_texture.used() && !scene.tangents.empty()) {
-        normals.mapped =
-            shared::mappedNormal(n, interpolated(scene.tangents),
-                                 texelAt(scene, triangle, barycentric, material.normal_texture,
-                                         footprintOverArea2(scene, triangle, footprint)),
-                                 material.normal_scale, n_g, wo);
+    if (!material.tangentTexture().used() || scene.tangents.empty()) {
+        return normals;
     }
+    const auto map = [&](const TextureUse& texture, float scale, vec3& normal) {
+        if (texture.used()) {
+            normal = shared::mappedNormal(n, interpolated(scene.tangents),
+                                          texelAt(scene, triangle, barycentric, texture,
+                                                  footprintOverArea2(scene, triangle, footprint)),
+                                          scale, n_g, wo);
+        }
+    };
+    map(material.normal_texture, material.normal_scale, normals.mapped);
+    map(material.coat_normal_texture, material.coat_normal_scale, normals.coat);
     return normals;
 }
 
@@ -217,7 +223,7 @@ Crossing crossingAt(const Scene& scene, uint32_t triangle, const vec3& barycentr
     const float transmission = std::exchange(opaque.transmission, 0.0f);
     const Brdf brdf = shared::makeBrdf(opaque, NoV, brdfAlbedo(NoV, opaque.roughness));
     const float under = shareUnderLayers(layersAt(scene, triangle, barycentric), NoV,
-                                         glm::dot(normals.smooth, -along));
+                                         glm::dot(normals.coat, -along));
     const vec3 passes = (1.0f - alpha) + alpha * transmission * under * brdf.diffuse;
     return {.meets = alpha,
             .chance = std::clamp(1.0f - maxAbs(passes), kLeastChance, 1.0f),

@@ -49,6 +49,8 @@ struct Material {
     Layers layers = {};                      ///< factors, which these textures multiply
     TextureUse coat_texture = {};            ///< red
     TextureUse coat_roughness_texture = {};  ///< green
+    TextureUse coat_normal_texture = {};
+    float coat_normal_scale = 1.0f;
     TextureUse fibre_color_texture = {};
     TextureUse fibre_roughness_texture = {};  ///< alpha
     /// Shows its colour whatever the light: that is its emission, and it scatters nothing.
@@ -70,7 +72,12 @@ struct Material {
             }
         }
         return normal_texture.used() || coat_texture.used() || coat_roughness_texture.used() ||
-               fibre_color_texture.used() || fibre_roughness_texture.used();
+               coat_normal_texture.used() || fibre_color_texture.used() ||
+               fibre_roughness_texture.used();
+    }
+    /// By whose coordinates tangents are: of the surface's normal map, else of its coat's.
+    const TextureUse& tangentTexture() const {
+        return normal_texture.used() ? normal_texture : coat_normal_texture;
     }
     /// Whether some point of it may be missing.
     bool masked() const { return alpha_cutoff > 0.0f; }

@@ -43,8 +43,8 @@ struct Scene {
     // Empty where no mesh has them.
     std::vector<vec2> second_uvs;  ///< likewise
     std::vector<vec4> colors;      ///< linear light and alpha, of 1; white where the mesh has none
-    /// Of normal maps: unit, along growing u, and in w the sign of the bitangent; zero where a mesh
-    /// has no such map.
+    /// Of normal maps (Material::tangentTexture()): unit, along growing u, and in w the sign of the
+    /// bitangent; zero where a mesh has no such map.
     std::vector<vec4> tangents;
     // Triangles: [triangle]; never degenerate, all coordinates finite. Counter-clockwise seen from
     // the front; the vertex normals may lie on either side.
@@ -149,10 +149,10 @@ Layers layersAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                 float footprint = 0.0f);
 
 /// The shading normal at a point, unit, as shared::shadingNormal() has it: `n_g` and `wo` lie on
-/// one side. The smooth one, interpolated from the vertices, and the one that normal maps make of
-/// it, averaged like materialAt()'s; the same where there is none.
+/// one side. The smooth one, interpolated from the vertices, and those that normal maps make of
+/// it, averaged like materialAt()'s: of the surface, and of its coat; the same where there is none.
 struct ShadingNormals {
-    vec3 smooth, mapped;
+    vec3 smooth, mapped, coat;
 };
 ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                          const vec3& n_g, const vec3& wo, float footprint = 0.0f);
