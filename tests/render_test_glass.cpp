@@ -94,7 +94,7 @@ TEST(Glass, WeighsRaysThatMeetItOrPass) {
     EXPECT_LT(maxAbs(tracer.passing(ways)[0] - panes.passBoth()), kTableError);
 }
 
-// A room with a pane of glass before the camera and one under the light.
+// A room with a pane of glass before the camera, one under the light, and a block that absorbs.
 Scene glazedRoom(bool by_lamp) {
     Scene scene;
     const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.7f)));
@@ -104,6 +104,9 @@ Scene glazedRoom(bool by_lamp) {
     addBox(scene, vec3(-1), vec3(1), {red, white, white, white, white, white}, true);
     addQuad(scene, vec3(-0.6f, -0.8f, 0.2f), vec3(0.9f, 0, 0.2f), vec3(0, 1.2f, 0), green);
     addQuad(scene, vec3(-0.8f, 0.3f, -0.8f), vec3(0, 0, 1.0f), vec3(1.1f, 0, 0), blue);
+    const uint32_t amber = addGlass(scene, vec3(0.95f));
+    scene.materials[amber].absorption = vec3(0.2f, 1.0f, 3.0f);
+    addBox(scene, vec3(-0.2f, -1.0f, -0.5f), vec3(0.4f, -0.5f, 0.1f), amber, false);
     if (by_lamp) {
         addQuad(scene, vec3(-0.3f, 0.98f, -0.3f), vec3(0.6f, 0, 0), vec3(0, 0, 0.6f),
                 addMaterial(scene, diffuseParams(vec3(0.0f), vec3(4.0f))));
@@ -133,6 +136,62 @@ TEST(Glass, IsLitAndShowsWhatIsBehindAsByTheReference) {
         EXPECT_LT(indirect.rel_rmse, 0.04) << "by lamp " << by_lamp;
         EXPECT_LT(std::abs(indirect.bias), 0.01) << "by lamp " << by_lamp;
     }
+}
+
+// A slab of glass that absorbs, of that thickness, over a white floor under a sun straight down.
+Scene slab(float thickness, const vec3& absorption, bool single_sided) {
+    Scene scene;
+    const uint32_t floor = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    const uint32_t glass = addGlass(scene, vec3(1.0f));
+    scene.materials[glass].absorption = absorption;
+    scene.materials[glass].single_sided = single_sided;
+    addQuad(scene, vec3(-4, 0, -4), vec3(0, 0, 8), vec3(8, 0, 0), floor);
+    addBox(scene, vec3(-3, 1, -3), vec3(3, 1 + thickness, 3), glass, false);
+    scene.lights.push_back(directionalLight(vec3(0, -1, 0), vec3(2.0f)));
+    scene.cameras.push_back(lookAt(vec3(0.1f, 6.0f, 0.2f), vec3(0.0f, 0.0f, 0.0f)));
+    return scene;
+}
+
+// Beer's law, on the sun's way down and the camera's: of single-sided bodies too, whose backs
+// cameras do not see.
+TEST(Glass, AbsorbsOverTheWayThroughIt) {
+    const vec3 absorption(0.1f, 0.8f, 2.0f);
+    for (const bool single_sided : {false, true}) {
+        for (const float thickness : {0.5f, 1.5f}) {
+            const Scene scene = slab(thickness, absorption, single_sided);
+            const float surfaces = std::pow(0.96f, single_sided ? 3.0f : 4.0f);
+            const vec3 expected =
+                0.5f / kPi * 2.0f * surfaces * glm::exp(-2.0f * thickness * absorption);
+            for (const Frame& frame : {renderFrame(scene, smallRender(9, 9)).frame,
+                                       renderReference(scene, smallParams(scene, 9, 4)).frame}) {
+                // Beside the middle, where the glass mirrors the sun: the way is a little longer.
+                for (int c = 0; c < 3; ++c) {
+                    EXPECT_NEAR(frame.direct.at(2, 2)[c] / expected[c], 1.0f, 0.06f)
+                        << "thickness " << thickness;
+                }
+            }
+        }
+    }
+}
+
+// Rays that begin or end in a body have no more of it on their way than they travel.
+TEST(Glass, AbsorbsWhatBeginsOrEndsInIt) {
+    const vec3 absorption(0.5f, 1.0f, 2.0f);
+    const Scene scene = slab(1.0f, absorption, false);
+    const Tracer tracer(scene);
+    const RayScene rays(scene);
+    const auto expect = [&](const vec3& from, const vec3& direction, float length, float inside) {
+        const float surfaces = inside == 1.0f ? 0.96f * 0.96f : 0.96f;
+        const vec3 expected = surfaces * glm::exp(-inside * absorption);
+        const Way way{.start = from, .direction = direction, .length = length};
+        EXPECT_LT(maxAbs(tracer.passing({&way, 1})[0] - expected), kTableError);
+        EXPECT_LT(maxAbs(rays.passing({from, direction, length}) - expected), kTableError);
+    };
+    const vec3 down(0, -1, 0);
+    expect(vec3(0.3f, 3.0f, 0.2f), down, 2.5f, 1.0f);
+    expect(vec3(0.3f, 3.0f, 0.2f), down, 1.25f, 0.25f);
+    expect(vec3(0.3f, 1.75f, 0.2f), down, 1.5f, 0.75f);
+    expect(vec3(0.3f, 1.75f, 0.2f), -down, kInfinity, 0.25f);
 }
 
 // A path that sees all of a pixel starts on one of its surfaces by chance.

@@ -132,6 +132,27 @@ TEST(MaterialTransmission, PassesLightInItsColour) {
     EXPECT_EQ(passesAt(file.load()), vec3(0.0f)) << "nothing is unlit and lit from behind";
 }
 
+// After the attenuation's distance its colour is left, of bodies alone.
+TEST(MaterialVolume, AbsorbsByItsColourOverItsDistance) {
+    GltfFile file = textured();
+    materialOf(file)["pbrMetallicRoughness"]["metallicFactor"] = 0;
+    materialOf(file)["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 1.0;
+    Json& volume = materialOf(file)["extensions"]["KHR_materials_volume"];
+    volume = {{"attenuationColor", {1.0, 0.5, 0.0}}, {"attenuationDistance", 0.25}};
+    const auto absorption = [&] { return file.load().materials[0].absorption; };
+    EXPECT_EQ(absorption(), vec3(0.0f)) << "a sheet";
+    volume["thicknessFactor"] = 2.0;
+    EXPECT_NEAR(absorption().x, 0.0f, 1e-6f);
+    EXPECT_NEAR(absorption().y, std::log(2.0f) / 0.25f, 1e-5f);
+    EXPECT_LT(std::exp(-0.25f * absorption().z), 2e-6f);
+    EXPECT_FALSE(warnsOf(file.load(), "volume"));
+    volume.erase("attenuationDistance");
+    EXPECT_LT(maxAbs(absorption()), 1e-30f) << "never";
+    materialOf(file)["extensions"].erase("KHR_materials_transmission");
+    volume["attenuationDistance"] = 0.25;
+    EXPECT_EQ(absorption(), vec3(0.0f)) << "opaque";
+}
+
 TEST(MaterialVariants, AreChosenByName) {
     GltfFile file = oneTriangle();
     file.json["materials"] = Json::array({{{"name", "plain"}}, {{"name", "blue"}}});

@@ -66,7 +66,7 @@ FN FilmChannel filmChannel(float index, float cosine, float inner_cosine, float 
 
 FN vec3 filmReflectance(float index, float nanometres, float cosine, IN(vec3) base_f0) {
     float inner_cosine = sqrt(1.0f - (1.0f - cosine * cosine) / (index * index));
-    float path = 2.0f * index * nanometres * inner_cosine;
+    float path = min(2.0f * index * nanometres * inner_cosine, 1e9f);  // shows no colour
     FilmChannel r = filmChannel(index, cosine, inner_cosine, base_f0.x);
     FilmChannel g = filmChannel(index, cosine, inner_cosine, base_f0.y);
     FilmChannel b = filmChannel(index, cosine, inner_cosine, base_f0.z);

@@ -126,6 +126,7 @@ std::string contentHash(const Scene& scene) {
         hash.add(&material.normal_scale, sizeof(material.normal_scale));
         hash.add(&material.coat_normal_scale, sizeof(material.coat_normal_scale));
         hash.add(&material.layers, sizeof(material.layers));
+        hash.add(&material.absorption, sizeof(material.absorption));
         for (const TextureUse& use : material.textures) {
             hash.add(&use, sizeof(use));
         }

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "rays/absorption.h"
 #include "rays/jitter.h"
 
 namespace sheen {
@@ -50,8 +51,8 @@ Crossing crossingOf(const Scene& scene, const Hit& hit, const vec3& along) {
     return crossingAt(scene, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v), along);
 }
 
-bool isGlass(const Scene& scene, const Hit& hit) {
-    return scene.materials[scene.materials_of[hit.triangle]].transmits();
+const Material& materialOf(const Scene& scene, const Hit& hit) {
+    return scene.materials[scene.materials_of[hit.triangle]];
 }
 
 // body(k, point, crossing) for each ray of a packet that meets what light passes; where it returns
@@ -84,7 +85,8 @@ void filterMet(const RTCFilterFunctionNArguments* met) {
         }
         const float chance =
             static_cast<float>(hashOfPoint(hit.triangle, hit.u, hit.v) >> 8u) * 0x1p-24f;
-        query.glass |= isGlass(scene, hit) ? 1u << RTCRayN_id(met->ray, met->N, k) : 0u;
+        query.glass |=
+            materialOf(scene, hit).transmits() ? 1u << RTCRayN_id(met->ray, met->N, k) : 0u;
         return chance < crossing.chance;
     });
 }
@@ -189,26 +191,37 @@ Sight Tracer::seeAlone(const vec3& origin, const vec3& direction) const {
     constexpr float kDark = 1.0f / 512.0f;  // passes no light that shows
     Sight sight;
     Sight::Part& ground = sight.ground;
+    Absorption absorption;
+    vec3 passing(1.0f);  // surfaces
     for (float from = 0.0f;; from = std::nextafter(ground.hit.distance, kInfinity)) {
         ground.hit = meetAlone(origin, direction, from, kInfinity);
         const Hit& hit = ground.hit;
         if (!hit.found()) {
+            ground.share = passing * absorption.passing(kInfinity);
             return sight;
         }
-        const Material& material = scene_.materials[scene_.materials_of[hit.triangle]];
+        const Material& material = materialOf(scene_, hit);
+        const auto cross_if = [&](bool side) {
+            if (side) {
+                absorption.cross(material, hit.back, hit.distance);
+            }
+        };
+        cross_if(hit.back);
+        ground.share = passing * absorption.passing(hit.distance);
+        cross_if(!hit.back);
         if (hit.back && material.single_sided) {
             continue;
         }
         const Crossing crossing =
             material.blended ? crossingOf(scene_, hit, direction)
                              : Crossing{.meets = 1.0f, .chance = 1.0f, .passes = vec3(0.0f)};
-        const vec3 behind = crossing.passes * ground.share;
-        if (maxAbs(behind) < kDark || sight.veil_count == Sight::kMostVeils) {
+        if (maxAbs(crossing.passes * ground.share) < kDark ||
+            sight.veil_count == Sight::kMostVeils) {
             return sight;
         }
         sight.veils[static_cast<size_t>(sight.veil_count++)] = {
             .hit = hit, .share = crossing.meets * ground.share};
-        ground.share = behind;
+        passing *= crossing.passes;
     }
 }
 
@@ -243,6 +256,7 @@ Hit Tracer::meetAlone(const vec3& origin, const vec3& direction, float from, flo
 // One by one: Embree asks filters in any order, of what lies behind the hit too.
 vec3 Tracer::weightOf(const vec3& origin, const vec3& direction, const Hit& hit) const {
     vec3 weight(1.0f);
+    Absorption absorption;
     for (float from = 0.0f;;) {
         const Hit crossed = meetAlone(origin, direction, from, hit.distance);
         if (!crossed.found() || crossed.triangle == hit.triangle) {
@@ -252,20 +266,27 @@ vec3 Tracer::weightOf(const vec3& origin, const vec3& direction, const Hit& hit)
             crossing.chance < 1.0f) {
             weight *= crossing.weightOfPassing();
         }
+        absorption.cross(materialOf(scene_, crossed), crossed.back, crossed.distance);
         from = std::nextafter(crossed.distance, kInfinity);
     }
+    if (hit.found() && hit.back) {
+        absorption.cross(materialOf(scene_, hit), true, hit.distance);
+    }
+    weight *= absorption.passing(hit.distance);
     return hit.found() ? weight * crossingOf(scene_, hit, direction).weightOfMeeting() : weight;
 }
 
 // One by one: Embree may ask a filter of one occluder twice.
 vec3 Tracer::passingVeils(const Way& way) const {
     vec3 share(1.0f);
+    Absorption absorption;
     for (float from = 0.0f;;) {
         const Hit hit = meetAlone(way.start, way.direction, from, way.length);
         if (!hit.found()) {
-            return share;
+            return share * absorption.passing(way.length);
         }
         share *= crossingOf(scene_, hit, way.direction).passes;
+        absorption.cross(materialOf(scene_, hit), hit.back, hit.distance);
         from = std::nextafter(hit.distance, kInfinity);
     }
 }

@@ -51,6 +51,33 @@ RayHit hitOf(const RTCRayHit& ray) {
     return {.triangle = ray.hit.primID, .u = ray.hit.u, .v = ray.hit.v};
 }
 
+// Glass that a ray is in, as far as it has come, and what that has left of its light.
+class Inside {
+  public:
+    vec3 left{1.0f};
+
+    // To that distance; infinite: it travels in none.
+    void travelTo(float distance) {
+        if (distance < kInfinity) {
+            left *= absorbs_ == vec3(0.0f) ? vec3(1.0f) : glm::exp(-absorbs_ * (distance - at_));
+            at_ = distance;
+        }
+    }
+    // Where it has come to, through a surface's front; and through its back.
+    void enter(const vec3& absorption) { absorbs_ += absorption; }
+    void leave(const vec3& absorption) {
+        if (glm::all(glm::lessThanEqual(absorption, absorbs_))) {
+            absorbs_ -= absorption;
+        } else {  // it has been in there from its start on
+            left *= glm::exp(-absorption * at_);
+        }
+    }
+
+  private:
+    vec3 absorbs_{0.0f};
+    float at_ = 0.0f;
+};
+
 // In [0, 1), the same whenever the same point is hit.
 float chanceAt(const RayHit& hit) {
     const uint32_t bits =
@@ -156,10 +183,16 @@ Crossing RayScene::crossing(const RayHit& hit, const vec3& direction) const {
 
 RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
     vec3 weight(1.0f);
+    Inside inside;
     for (float from = 0.0f;;) {
         const RTCRayHit ray = closest(origin, direction, from, kInfinity);
         RayHit hit = hitOf(ray);
-        hit.weight = weight;
+        inside.travelTo(ray.ray.tfar);
+        const bool behind = hit.found() && fromBehind(hit, direction);
+        if (behind) {
+            inside.leave(absorptionOf(hit));
+        }
+        hit.weight = weight * inside.left;
         if (!blended_ || !hit.found()) {
             return hit;
         }
@@ -169,6 +202,9 @@ RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
             return hit;
         }
         weight *= at.weightOfPassing();
+        if (!behind) {
+            inside.enter(absorptionOf(hit));
+        }
         from = std::nextafter(ray.ray.tfar, kInfinity);
     }
 }
@@ -177,22 +213,32 @@ std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction) const
     std::vector<Seen> seen;
     vec3 share(1.0f);
     float chance = 1.0f;
+    Inside inside;
     for (float from = 0.0f;;) {
         const RTCRayHit ray = closest(origin, direction, from, kInfinity);
         const RayHit hit = hitOf(ray);
+        inside.travelTo(ray.ray.tfar);
         if (!hit.found()) {
-            seen.push_back({.hit = hit, .share = share, .chance = chance});
+            seen.push_back({.hit = hit, .share = share * inside.left, .chance = chance});
             return seen;
         }
+        const bool behind = fromBehind(hit, direction);
+        if (behind) {
+            inside.leave(absorptionOf(hit));
+        }
+        const vec3 left = inside.left;
+        if (!behind) {
+            inside.enter(absorptionOf(hit));
+        }
         from = std::nextafter(ray.ray.tfar, kInfinity);
-        if (glm::dot(n_g_[hit.triangle], direction) >= 0.0f &&
-            scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
+        if (behind && scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
             continue;
         }
         const Crossing at = blended_
                                 ? crossing(hit, direction)
                                 : Crossing{.meets = 1.0f, .chance = 1.0f, .passes = vec3(0.0f)};
-        seen.push_back({.hit = hit, .share = share * at.meets, .chance = chance * at.chance});
+        seen.push_back(
+            {.hit = hit, .share = share * left * at.meets, .chance = chance * at.chance});
         share *= at.passes;
         chance *= 1.0f - at.chance;
         if (share == vec3(0.0f)) {
@@ -210,16 +256,24 @@ vec3 RayScene::passing(const ShadowRay& shadow) const {
         return vec3(ray.tfar < 0.0f ? 0.0f : 1.0f);  // Embree's sign for "something was hit"
     }
     vec3 share(1.0f);
+    Inside inside;
     for (float from = 0.0f; share != vec3(0.0f);) {
         const RTCRayHit ray = closest(shadow.origin, shadow.direction, from, shadow.distance);
         const RayHit hit = hitOf(ray);
         if (!hit.found()) {
             break;
         }
+        inside.travelTo(ray.ray.tfar);
+        if (fromBehind(hit, shadow.direction)) {
+            inside.leave(absorptionOf(hit));
+        } else {
+            inside.enter(absorptionOf(hit));
+        }
         share *= crossing(hit, shadow.direction).passes;
         from = std::nextafter(ray.ray.tfar, kInfinity);
     }
-    return share;
+    inside.travelTo(shadow.distance);
+    return share * inside.left;
 }
 
 void RayScene::intersect(const vec3& origin, std::span<const vec3> directions, RayHit* hits) const {

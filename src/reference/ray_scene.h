@@ -103,6 +103,12 @@ class RayScene {
     void build();
     RTCRayHit closest(const vec3& origin, const vec3& direction, float from, float to) const;
     Crossing crossing(const RayHit& hit, const vec3& direction) const;
+    const vec3& absorptionOf(const RayHit& hit) const {
+        return scene_.materials[scene_.materials_of[hit.triangle]].absorption;
+    }
+    bool fromBehind(const RayHit& hit, const vec3& direction) const {
+        return glm::dot(n_g_[hit.triangle], direction) >= 0.0f;
+    }
 
     const Scene& scene_;
     bool blended_ = false;   ///< some material is

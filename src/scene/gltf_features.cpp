@@ -37,7 +37,7 @@ const std::map<std::string, const char*> kExtensions = {
      "approximated: light passes straight, neither refracted nor blurred"},
     {"KHR_materials_unlit", "approximated: its colour is emission, which lights the scene"},
     {"KHR_materials_variants", kRight},
-    {"KHR_materials_volume", kIgnored},
+    {"KHR_materials_volume", "approximated: absorbs light, which is not refracted"},
     {"KHR_mesh_quantization", kRight},
     {"KHR_meshopt_compression", kRight},
     {"KHR_texture_basisu", kIgnored},

@@ -195,6 +195,23 @@ void readTransmission(File& file, const tinygltf::Value& extension, const std::s
     }
 }
 
+// Bodies of glass absorb over the distance that light travels in them; a thickness of 0 is a sheet.
+// How thick it says that they are has no say: rays know.
+void readVolume(File& file, const tinygltf::Value& extension, const std::string& where,
+                Material& material) {
+    constexpr double kFarthest = std::numeric_limits<float>::max();
+    const auto factor = [&](const char* key, double fallback) {
+        return clampedFactor(file, numberMember(file, extension, key, fallback, where), kFarthest,
+                             where, key);
+    };
+    const vec3 color(colorMember(file, extension, "attenuationColor", 3, 1.0, vec4(1.0f), where));
+    const float distance = factor("attenuationDistance", kFarthest);
+    if (factor("thicknessFactor", 0.0) > 0.0f && distance > 0.0f && material.transmits()) {
+        constexpr float kDarkest = 1e-6f;  // a channel that nothing is left of
+        material.absorption = -glm::log(glm::max(color, vec3(kDarkest))) / distance;
+    }
+}
+
 void readClearcoat(File& file, const tinygltf::Value& extension, const std::string& where,
                    TextureLoader& loader, Material& material) {
     const auto factor = [&](const char* key) {
@@ -308,6 +325,9 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     if (const auto* extension = extensionOf(source, "KHR_materials_transmission");
         extension != nullptr && !unlit) {
         readTransmission(file, *extension, where, loader, material);
+    }
+    if (const auto* extension = extensionOf(source, "KHR_materials_volume")) {
+        readVolume(file, *extension, where, material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_clearcoat")) {
         readClearcoat(file, *extension, where, loader, material);

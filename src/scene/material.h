@@ -64,6 +64,8 @@ struct Material {
     /// What has less alpha than 1 lets the rest of the light pass.
     bool blended = false;
     TextureUse alpha_texture = {};
+    /// Of a body of glass: by which light that travels in it falls, exp(-absorption * distance).
+    vec3 absorption{0.0f};
 
     bool textured() const {
         for (const TextureUse& use : textures) {

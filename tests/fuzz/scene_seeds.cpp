@@ -105,6 +105,9 @@ GltfFile varied() {
                                                         {"specularColorTexture", {{"index", 1}}}};
     material["extensions"]["KHR_materials_transmission"] = {
         {"transmissionFactor", 0.5}, {"transmissionTexture", {{"index", 1}}}};
+    material["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1},
+                                                      {"attenuationDistance", 0.5},
+                                                      {"attenuationColor", {0.5, 0.7, 0.9}}};
     material["extensions"]["KHR_materials_iridescence"] = {
         {"iridescenceFactor", 0.5},
         {"iridescenceTexture", {{"index", 0}}},
