@@ -205,7 +205,7 @@ void readVolume(File& file, const tinygltf::Value& extension, const std::string&
                              where, key);
     };
     const vec3 color(colorMember(file, extension, "attenuationColor", 3, 1.0, vec4(1.0f), where));
-    const float distance = factor("attenuationDistance", kFarthest);
+    const float distance = factor("attenuationDistance", 0.0);  // without, none absorbs
     if (factor("thicknessFactor", 0.0) > 0.0f && distance > 0.0f && material.transmits()) {
         constexpr float kDarkest = 1e-6f;  // a channel that nothing is left of
         material.absorption = -glm::log(glm::max(color, vec3(kDarkest))) / distance;
