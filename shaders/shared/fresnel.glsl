@@ -27,7 +27,7 @@ FN float gaussianWave(float integral, float place, float variance, float phase, 
 
 // What white light of waves that are `path` nanometres and a phase of `shift` apart is seen as, in
 // linear Rec. 709: its cosine over the spectrum, weighed by the eye's sensitivities, four Gaussians
-// over wave numbers [BB17, eq. 10 and supplemental], over the integral of that for Y.
+// over wave numbers [BB17], over the integral of that for Y.
 FN vec3 interference(float path, float shift) {
     float phase = 2.0f * PI * 1e-9f * path;
     float x = gaussianWave(0.846590f, 1.6810e6f, 4.3278e9f, phase, shift) +
@@ -39,15 +39,15 @@ FN vec3 interference(float path, float shift) {
                 0.0556434f * x - 0.2040259f * y + 1.0572252f * z);
 }
 
-// What of light from air reflects at that cosine: of a film of that index, at least 1, and so many
-// nanometres, on a surface of reflectance `base_f0` in air, one channel of it. `waves` gets by what
-// the first and second order of interference count, which `all` has not.
+// What a film reflects of one channel of light.
 struct FilmChannel {
-    float all;
-    vec2 waves;
-    float shift;  // of phase, by both reflections
+    float all;    // without interference
+    vec2 waves;   // what its first and second order add at most
+    float shift;  // of phase, by both reflections within the film
 };
 
+// Of a film of that index, at least 1, on a surface of reflectance `base_f0` in air; cosines outside
+// and inside. Light that is reflected to and fro within it, by a geometric series.
 FN FilmChannel filmChannel(float index, float cosine, float inner_cosine, float base_f0) {
     float root = sqrt(clamp(base_f0, 0.0f, 0.9999f));
     float base_index = (1.0f + root) / (1.0f - root);
@@ -60,10 +60,11 @@ FN FilmChannel filmChannel(float index, float cosine, float inner_cosine, float 
     FilmChannel c;
     c.all = r12 + inside;
     c.waves = 2.0f * vec2(wave, wave * sqrt(r123));
-    c.shift = base_index < index ? 2.0f * PI : PI;
+    c.shift = base_index < index ? 0.0f : PI;
     return c;
 }
 
+// And of all three, for a film so many nanometres thick.
 FN vec3 filmReflectance(float index, float nanometres, float cosine, IN(vec3) base_f0) {
     float inner_cosine = sqrt(1.0f - (1.0f - cosine * cosine) / (index * index));
     float path = min(2.0f * index * nanometres * inner_cosine, 1e9f);  // shows no colour

@@ -86,7 +86,10 @@ struct Material {
     /// Whether light may pass some point of it.
     bool lightPasses() const { return masked() || blended; }
     /// Whether it is glass, at some point.
-    bool transmits() const { return params.transmission > 0.0f && params.metallic < 1.0f; }
+    bool transmits() const {
+        return params.transmission > 0.0f &&
+               (params.metallic < 1.0f || textures[shared::TEXTURE_METALLIC_ROUGHNESS].used());
+    }
     /// Whether some point of it does.
     bool emits() const { return params.emission != vec3(0.0f); }
 };
