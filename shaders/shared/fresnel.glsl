@@ -41,7 +41,7 @@ FN vec3 interference(float path, float shift) {
 
 // What a film reflects of one channel of light.
 struct FilmChannel {
-    float all;    // without interference
+    float plain;  // without interference
     vec2 waves;   // what its first and second order add at most
     float shift;  // of phase, by both reflections within the film
 };
@@ -58,7 +58,7 @@ FN FilmChannel filmChannel(float index, float cosine, float inner_cosine, float 
     float inside = t121 * t121 * r23 / (1.0f - r123);
     float wave = (inside - t121) * sqrt(r123);
     FilmChannel c;
-    c.all = r12 + inside;
+    c.plain = r12 + inside;
     c.waves = 2.0f * vec2(wave, wave * sqrt(r123));
     c.shift = base_index < index ? 0.0f : PI;
     return c;
@@ -76,9 +76,9 @@ FN vec3 filmReflectance(float index, float nanometres, float cosine, IN(vec3) ba
     vec3 second = vec3(interference(2.0f * path, 2.0f * r.shift).x,
                        interference(2.0f * path, 2.0f * g.shift).y,
                        interference(2.0f * path, 2.0f * b.shift).z);
-    vec3 all = vec3(r.all, g.all, b.all) + vec3(r.waves.x, g.waves.x, b.waves.x) * first +
+    vec3 sum = vec3(r.plain, g.plain, b.plain) + vec3(r.waves.x, g.waves.x, b.waves.x) * first +
                vec3(r.waves.y, g.waves.y, b.waves.y) * second;
-    return clamp(all, vec3(0.0f), vec3(1.0f));
+    return clamp(sum, vec3(0.0f), vec3(1.0f));
 }
 
 // The reflectance at normal incidence by which Schlick's formula gives, for a viewer at that cosine
