@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSize = 16;
 // Of the table of lobes' albedos.
-constexpr float kTableError = 0.005f;
+constexpr float kTableError = 0.01f;
 
 uint32_t addGlass(Scene& scene, const vec3& color, float roughness = 0.0f) {
     MaterialParams params = glossyParams(color, 0.0f, roughness);

@@ -83,7 +83,7 @@ TEST(NormalMap, OfACoatLeavesTheSurfaceSmooth) {
     EXPECT_EQ(normals().mapped, up);
     expectNear(normals().coat, {0.5f, 0.5f, kUp});
     material["extensions"]["KHR_materials_clearcoat"]["clearcoatNormalTexture"]["scale"] = 0.0;
-    EXPECT_EQ(normals().coat, up);
+    expectNear(normals().coat, up);
 }
 
 TEST(NormalMap, WithoutCoordinatesTheSurfaceHasSomeFrame) {
