@@ -160,17 +160,18 @@ TEST(LightmapFile, dropsTheFilesOwnSky) {
 
 // Textures that Sheen knows nothing of keep their coordinates, and sets have no gaps.
 TEST(LightmapFile, takesTheNextSetWhereAnyTextureUsesTheSecond) {
-    const Json json = Written(false, false, [](Json& scene) {
-                          scene["materials"][0]["extensions"]["KHR_materials_transmission"] = {
-                              {"transmissionTexture", {{"index", 0}, {"texCoord", 1}}}};
-                          Json& attributes = firstPrimitive(scene)["attributes"];
-                          Json accessor = scene["accessors"][attributes["POSITION"].get<size_t>()];
-                          accessor["type"] = "VEC2";
-                          accessor.erase("min");
-                          accessor.erase("max");
-                          attributes["TEXCOORD_1"] = scene["accessors"].size();
-                          scene["accessors"].push_back(accessor);
-                      }).json();
+    const Json json =
+        Written(false, false, [](Json& scene) {
+            scene["materials"][0]["extensions"]["KHR_materials_diffuse_transmission"] = {
+                {"diffuseTransmissionTexture", {{"index", 0}, {"texCoord", 1}}}};
+            Json& attributes = firstPrimitive(scene)["attributes"];
+            Json accessor = scene["accessors"][attributes["POSITION"].get<size_t>()];
+            accessor["type"] = "VEC2";
+            accessor.erase("min");
+            accessor.erase("max");
+            attributes["TEXCOORD_1"] = scene["accessors"].size();
+            scene["accessors"].push_back(accessor);
+        }).json();
     for (const auto& mesh : json.at("meshes")) {
         for (const auto& primitive : mesh.at("primitives")) {
             for (const char* name : {"TEXCOORD_0", "TEXCOORD_1", "TEXCOORD_2"}) {

@@ -153,7 +153,7 @@ TEST(ScatteredOnce, GlossyFloorScattersByTheBrdf) {
                 glm::normalize(mirrored + 0.1f * static_cast<float>(i) * random.direction(kUp));
             Scene scene = floorOf(material);
             scene.lights.push_back(directionalLight(-wi, vec3(3, 2, 1)));
-            const Brdf brdf = shared::makeBrdf(material, brdfAlbedo(wo.y, roughness));
+            const Brdf brdf = shared::makeBrdf(material, wo.y, brdfAlbedo(wo.y, roughness));
             const vec3 f = shared::evalBrdf(brdf, kUp, wo, wi);
             const vec4 seen = castAt(LitScene(scene), kEye, target);
             for (int c = 0; c < 3; ++c) {

@@ -76,7 +76,7 @@ TEST(Lamps, RaysKnowTheDensityOfSamples) {
     for (int i = 0; i < 400; ++i) {
         const SurfaceSide from = sideAt(vec3(0.1f * static_cast<float>(i % 7), 0, 0), kUp);
         const auto s = lamps.sample(from, kUp, numbers(i));
-        if (!s || tracer.passing({&s->way, 1})[0] == 0.0f) {
+        if (!s || tracer.passing({&s->way, 1})[0] == vec3(0.0f)) {
             continue;
         }
         Hit hit;
@@ -100,7 +100,7 @@ TEST(Lamps, SamplesOfABulbHardlyDiffer) {
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < kCount; ++i) {
         const auto s = lamps.sample(sideAt(vec3(0.0f), kUp), kUp, numbers(i));
-        const bool free = s && tracer.passing({&s->way, 1})[0] > 0.0f;
+        const bool free = s && tracer.passing({&s->way, 1})[0] != vec3(0.0f);
         const double light = free ? s->radiance.x * s->wi.y / s->density : 0.0;
         sum += light;
         squares += light * light;

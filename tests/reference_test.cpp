@@ -124,7 +124,8 @@ Surface flatSurface(const vec3& p, const vec3& n, const vec3& wo, const Material
     s.position = p;
     s.n = s.n_g = n;
     s.wo = wo;
-    s.brdf = shared::makeBrdf(material, brdfAlbedo(glm::dot(n, wo), material.roughness));
+    s.brdf = shared::makeBrdf(material, glm::dot(n, wo),
+                              brdfAlbedo(glm::dot(n, wo), material.roughness));
     return s;
 }
 

@@ -147,7 +147,7 @@ TEST(ReferenceLamps, DensityOfAChoiceIsThatOfItsHit) {
     int met = 0;
     for (uint32_t i = 0; i < 4096; ++i) {
         const LightChoice choice = lamps.choose(from, owenSobol(i, 5));
-        if (choice.pdf == 0.0f || rays.passing(choice.way) == 0.0f) {
+        if (choice.pdf == 0.0f || rays.passing(choice.way) == vec3(0.0f)) {
             continue;  // the sphere's back
         }
         const RayHit hit = rays.intersect(from, choice.way.direction);

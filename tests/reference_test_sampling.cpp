@@ -163,7 +163,7 @@ TEST(Sampling, MixtureAgreesWithCosineSampling) {
         for (const float roughness : {0.3f, 0.6f, 1.0f}) {
             const MaterialParams m = glossyParams(vec3(0.8f), metallic, roughness);
             const vec2 ab = brdfAlbedo(glm::dot(n, wo), roughness);
-            const Brdf brdf = shared::makeBrdf(m, ab);
+            const Brdf brdf = shared::makeBrdf(m, 1.0f, ab);
             const BrdfSampler sampler(brdf, brdf.f0 * ab.x + vec3(brdf.f90 * ab.y), n, wo);
             double mixed = 0.0, diffuse = 0.0, cosine = 0.0, cosine_diffuse = 0.0;
             for (uint32_t i = 0; i < kSamples; ++i) {
@@ -190,7 +190,8 @@ TEST(Sampling, ACoatedMixtureAgreesWithCosineSampling) {
     const auto radiance = [](const vec3& w) { return w.x > 0.2f ? 1.0f : 0.1f * w.z; };
     const vec3 n = glm::normalize(vec3(0.2f, 0.3f, 1.0f));
     const vec3 wo = glm::normalize(vec3(-0.7f, 0.1f, 0.5f));
-    const Brdf brdf = shared::makeBrdf(glossyParams(vec3(0.8f), 0.5f, 0.6f), vec2(0.7f, 0.1f));
+    const Brdf brdf =
+        shared::makeBrdf(glossyParams(vec3(0.8f), 0.5f, 0.6f), 1.0f, vec2(0.7f, 0.1f));
     const Brdf coat_brdf = coatBrdf({.coat = 1.0f, .coat_roughness = 0.5f});
     const Coat coat{.brdf = coat_brdf, .n = vec3(0, 0, 1), .albedo = 0.1f};
     const BrdfSampler sampler(brdf, vec3(0.5f), n, wo, coat);

@@ -78,7 +78,7 @@ TEST(Furnace, GlossySurfacesReflectTheirWholeAlbedo) {
                 }
                 const vec3 wo = glm::normalize(eye - result.frame.position.pixels[i]);
                 const vec2 ab = brdfAlbedo(glm::dot(result.frame.normal.pixels[i], wo), roughness);
-                const Brdf brdf = shared::makeBrdf(scene.materials[0].params, ab);
+                const Brdf brdf = shared::makeBrdf(scene.materials[0].params, 1.0f, ab);
                 const vec3 expected = Le * (brdf.diffuse + brdf.f0 * ab.x + vec3(brdf.f90 * ab.y));
                 for (int c = 0; c < 3; ++c) {
                     EXPECT_NEAR(result.frame.indirect.pixels[i][c], expected[c],

@@ -168,21 +168,30 @@ TEST(Coverage, CamerasPassBacksAndHolesAndRaysPassHoles) {
     EXPECT_FALSE(lit(-0.4f, 0.0f));
 }
 
-// Direct light by the mapped normal, as the reference has it, and records as without the map.
-TEST(NormalMaps, BendDirectLightAndNoRecord) {
-    Scene scene = variedRoom(vec3(0.0f));
-    const int flat_records = renderFrame(scene, smallRender(kSize, kSize)).stats.records;
+void addTangents(Scene& scene) {
     scene.tangents.assign(scene.positions.size(), vec4(0.0f));
     for (size_t i = 0; i < scene.positions.size(); ++i) {
         const vec3& n = scene.normals[i];
         scene.tangents[i] = vec4(std::abs(n.x) > 0.5f ? vec3(0, 1, 0) : vec3(1, 0, 0), 1.0f);
     }
+}
+
+TextureUse bumps(Scene& scene) {
+    TextureUse use;
+    use.texture = addTexture(scene, 2, 2,
+                             {vec3(0.7f, 0.4f, 0.95f), vec3(0.3f, 0.6f, 0.95f),
+                              vec3(0.5f, 0.5f, 1.0f), vec3(0.4f, 0.7f, 0.9f)});
+    use.transform = {.row_u = {3, 0}, .row_v = {0, 3}, .offset = {0, 0}};
+    return use;
+}
+
+// Direct light by the mapped normal, as the reference has it, and records as without the map.
+TEST(NormalMaps, BendDirectLightAndNoRecord) {
+    Scene scene = variedRoom(vec3(0.0f));
+    const int flat_records = renderFrame(scene, smallRender(kSize, kSize)).stats.records;
+    addTangents(scene);
     for (Material& material : scene.materials) {
-        material.normal_texture.texture =
-            addTexture(scene, 2, 2,
-                       {vec3(0.7f, 0.4f, 0.95f), vec3(0.3f, 0.6f, 0.95f), vec3(0.5f, 0.5f, 1.0f),
-                        vec3(0.4f, 0.7f, 0.9f)});
-        material.normal_texture.transform = {.row_u = {3, 0}, .row_v = {0, 3}, .offset = {0, 0}};
+        material.normal_texture = bumps(scene);
     }
     const Frame truth = firstHits(scene, kSize, kSize);
     for (GatherRoad road : kRoads) {
@@ -194,6 +203,23 @@ TEST(NormalMaps, BendDirectLightAndNoRecord) {
             EXPECT_LT(result.stats.records, 13 * flat_records / 10);
         }
     }
+}
+
+// A coat with a normal map over a floor that has none.
+TEST(NormalMaps, OfCoatsBendWhatTheCoatReflects) {
+    Scene scene = variedRoom(vec3(0.0f));
+    addTangents(scene);
+    Material& floor = scene.materials[scene.materials_of[4]];
+    floor.layers = {.coat = 1.0f, .coat_roughness = 0.3f};
+    floor.coat_normal_texture = bumps(scene);
+    const ReferenceResult truth = reference(scene);
+    const Frame frame = renderFrame(scene, smallRender(kSize, kSize)).frame;
+    const Comparison direct = compareLayer(frame, truth.frame, &Frame::direct);
+    const Comparison indirect =
+        compareLayer(frame, truth.frame, &Frame::indirect, &truth.frame.indirect_variance);
+    EXPECT_LT(direct.rel_rmse, 0.02);
+    EXPECT_LT(indirect.rel_rmse, 0.04);
+    EXPECT_LT(std::abs(indirect.bias), 0.015);
 }
 
 }  // namespace

@@ -92,14 +92,14 @@ TEST(Veils, StopTheirShareOfRaysAndLight) {
     to_floor.length = 3.5f;
     const Way ways[] = {down, to_floor, {}};
     const Tracer::Shares shares = tracer.passing(ways);
-    EXPECT_NEAR(shares[0], 0.9f * 0.6f, 1e-6f);
-    EXPECT_EQ(shares[1], 0.0f);
-    EXPECT_EQ(shares[2], 0.0f) << "not asked";
+    EXPECT_NEAR(shares[0].y, 0.9f * 0.6f, 1e-6f);
+    EXPECT_EQ(shares[1], vec3(0.0f));
+    EXPECT_EQ(shares[2], vec3(0.0f)) << "not asked";
 
     const Sight sight = tracer.seeAlone(down.start, down.direction);
     ASSERT_EQ(sight.veil_count, 2);
-    EXPECT_NEAR(sight.veils[1].share, 0.9f * 0.4f, 1e-6f);
-    EXPECT_NEAR(sight.ground.share, 0.9f * 0.6f, 1e-6f);
+    EXPECT_NEAR(sight.veils[1].share.y, 0.9f * 0.4f, 1e-6f);
+    EXPECT_NEAR(sight.ground.share.y, 0.9f * 0.6f, 1e-6f);
     EXPECT_NEAR(sight.ground.hit.distance, 3.0f, 1e-5f);
 
     constexpr int kRays = 20000;

@@ -429,11 +429,11 @@ TEST(SceneLoader, NamesWhatItLeavesOut) {
     file.json["cameras"] =
         Json::array({{{"type", "orthographic"},
                       {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 9}}}}});
-    file.json["extensionsUsed"] = {"KHR_materials_iridescence"};
+    file.json["extensionsUsed"] = {"KHR_materials_dispersion"};
     const Scene scene = file.load();
     EXPECT_EQ(scene.triangleCount(), 1);
     for (const char* text :
-         {"TEXCOORD_2", "points and lines", "orthographic", "KHR_materials_iridescence"}) {
+         {"TEXCOORD_2", "points and lines", "orthographic", "KHR_materials_dispersion"}) {
         EXPECT_TRUE(warnsOf(scene, text)) << text;
     }
 }

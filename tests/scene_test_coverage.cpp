@@ -108,7 +108,7 @@ TEST(ParallelCamera, SeesAsMuchAtEveryDistanceAndNothingBehindItself) {
 
 TEST(Features, ListWhatAFileUsesAndWhatBecomesOfIt) {
     GltfFile file = masked("MASK");
-    file.json["extensionsUsed"] = {"KHR_texture_transform", "KHR_materials_iridescence"};
+    file.json["extensionsUsed"] = {"KHR_texture_transform", "KHR_materials_dispersion"};
     file.json["materials"][0]["occlusionTexture"]["index"] = 0;
     const Scene scene = file.load();
     const auto treatment = [&](const std::string& name) {
@@ -120,7 +120,7 @@ TEST(Features, ListWhatAFileUsesAndWhatBecomesOfIt) {
         return std::string("not used");
     };
     EXPECT_EQ(treatment("KHR_texture_transform"), "right");
-    EXPECT_EQ(treatment("KHR_materials_iridescence"), "ignored");
+    EXPECT_EQ(treatment("KHR_materials_dispersion"), "ignored");
     EXPECT_EQ(treatment("alphaMode MASK"), "right");
     EXPECT_EQ(treatment("vertex colours"), "right");
     EXPECT_EQ(treatment("occlusion textures"), "ignored: the light they stand for is computed");

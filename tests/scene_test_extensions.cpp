@@ -11,7 +11,7 @@ namespace {
 Json& materialOf(GltfFile& file) { return file.json["materials"][0]; }
 
 vec3 f0At(const Scene& scene) {
-    return shared::makeBrdf(materialAt(scene, 0, vec3(1, 0, 0)), vec2(1.0f, 0.0f)).f0;
+    return shared::makeBrdf(materialAt(scene, 0, vec3(1, 0, 0)), 1.0f, vec2(1.0f, 0.0f)).f0;
 }
 
 TEST(MaterialIor, IsTheReflectanceAtNormalIncidence) {
@@ -95,27 +95,62 @@ TEST(MaterialAnisotropy, WidensTheRoundLobe) {
     EXPECT_NEAR(roughness(1.0), std::sqrt(0.5f), 1e-6f) << "alpha 1/4 and 1, on average 1/2";
 }
 
-// Glass of ior 1.5 reflects 4%, which is what it covers, as a mirror; half of it scatters the rest.
-TEST(MaterialTransmission, IsAVeilThatReflectsAsTheSurfaceDoes) {
+// Of light that comes at right angles.
+vec3 passesAt(const Scene& scene) {
+    return crossingAt(scene, 0, vec3(1, 0, 0), -geometricNormal(scene, 0)).passes;
+}
+
+// Glass of ior 1.5 reflects 4% of light at right angles and passes the rest in its colour, as much
+// of it as it transmits; the colour's alpha has no say where the material is opaque.
+TEST(MaterialTransmission, PassesLightInItsColour) {
+    constexpr float kError = 0.002f;  // of the table of the lobe's albedo
     GltfFile file = textured();
-    materialOf(file)["pbrMetallicRoughness"] = {{"metallicFactor", 0},
-                                                {"baseColorFactor", {1, 1, 1, 0.1}}};
+    materialOf(file)["pbrMetallicRoughness"] = {
+        {"metallicFactor", 0}, {"roughnessFactor", 0}, {"baseColorFactor", {0.25, 0.5, 1, 0.1}}};
     Json& transmission = materialOf(file)["extensions"]["KHR_materials_transmission"];
     transmission["transmissionFactor"] = 1.0;
-    const Scene glass = file.load();
-    EXPECT_NEAR(coverageAt(glass, 0, vec3(1, 0, 0)), 0.04f, 1e-6f);
-    EXPECT_NEAR(f0At(glass).x, 1.0f, 1e-5f);
-    EXPECT_FALSE(warnsOf(glass, "transmission"));
-    materialOf(file)["pbrMetallicRoughness"]["baseColorFactor"] = {0.25, 0.5, 0.75, 1};
-    transmission["transmissionFactor"] = 0.5;
-    const Scene milk = file.load();
-    const float cover = coverageAt(milk, 0, vec3(1, 0, 0));
-    EXPECT_NEAR(cover, 1.0f - 0.5f * 0.96f * 0.5f, 1e-6f);
-    EXPECT_NEAR(cover * f0At(milk).x, 0.04f, 1e-6f);
-    EXPECT_NEAR(cover * milk.materials[0].params.base_color.z, 0.375f, 1e-6f);
-    transmission["transmissionTexture"]["index"] = 0;
+    const vec3 clear = passesAt(file.load());
+    const vec3 color(0.25f, 0.5f, 1.0f);
+    EXPECT_LT(maxAbs(clear - 0.96f * color), kError);
     EXPECT_EQ(coverageAt(file.load(), 0, vec3(1, 0, 0)), 1.0f);
-    EXPECT_TRUE(warnsOf(file.load(), "transmissionTexture"));
+    EXPECT_FALSE(warnsOf(file.load(), "transmission"));
+
+    transmission["transmissionTexture"]["index"] = addPicture(file, {1, 1, {{{51, 255, 255}}}});
+    const Scene milk = file.load();
+    EXPECT_LT(maxAbs(passesAt(milk) - 0.2f * clear), kError);
+    const MaterialParams at = materialAt(milk, 0, vec3(1, 0, 0));
+    EXPECT_NEAR(shared::makeBrdf(at, 1.0f, vec2(0.0f)).diffuse.z, 0.8f, 1e-6f);
+    transmission.erase("transmissionTexture");
+
+    materialOf(file)["alphaMode"] = "BLEND";
+    EXPECT_LT(maxAbs(passesAt(file.load()) - (0.9f + 0.1f * clear)), kError);
+    materialOf(file)["alphaMode"] = "OPAQUE";
+    materialOf(file)["pbrMetallicRoughness"]["metallicFactor"] = 1;
+    EXPECT_EQ(passesAt(file.load()), vec3(0.0f)) << "no metal does";
+    materialOf(file)["pbrMetallicRoughness"]["metallicFactor"] = 0;
+    materialOf(file)["extensions"]["KHR_materials_unlit"] = Json::object();
+    EXPECT_EQ(passesAt(file.load()), vec3(0.0f)) << "nothing is unlit and lit from behind";
+}
+
+// After the attenuation's distance its colour is left, of bodies alone.
+TEST(MaterialVolume, AbsorbsByItsColourOverItsDistance) {
+    GltfFile file = textured();
+    materialOf(file)["pbrMetallicRoughness"]["metallicFactor"] = 0;
+    materialOf(file)["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 1.0;
+    Json& volume = materialOf(file)["extensions"]["KHR_materials_volume"];
+    volume = {{"attenuationColor", {1.0, 0.5, 0.0}}, {"attenuationDistance", 0.25}};
+    const auto absorption = [&] { return file.load().materials[0].absorption; };
+    EXPECT_EQ(absorption(), vec3(0.0f)) << "a sheet";
+    volume["thicknessFactor"] = 2.0;
+    EXPECT_NEAR(absorption().x, 0.0f, 1e-6f);
+    EXPECT_NEAR(absorption().y, std::log(2.0f) / 0.25f, 1e-5f);
+    EXPECT_LT(std::exp(-0.25f * absorption().z), 2e-6f);
+    EXPECT_FALSE(warnsOf(file.load(), "volume"));
+    volume.erase("attenuationDistance");
+    EXPECT_EQ(absorption(), vec3(0.0f)) << "never";
+    materialOf(file)["extensions"].erase("KHR_materials_transmission");
+    volume["attenuationDistance"] = 0.25;
+    EXPECT_EQ(absorption(), vec3(0.0f)) << "opaque";
 }
 
 TEST(MaterialVariants, AreChosenByName) {

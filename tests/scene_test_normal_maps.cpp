@@ -70,6 +70,22 @@ TEST(NormalMap, ScalesWhatLeans) {
     expectNear(normalOf(file.load()), {-0.5f, -0.5f, kUp});
 }
 
+TEST(NormalMap, OfACoatLeavesTheSurfaceSmooth) {
+    GltfFile file = leaning({0, 0, 1, 0, 0, -1});
+    Json& material = file.json["materials"][0];
+    material["extensions"]["KHR_materials_clearcoat"] = {
+        {"clearcoatFactor", 1.0}, {"clearcoatNormalTexture", material["normalTexture"]}};
+    const vec3 up(0, 0, 1);
+    const auto normals = [&] { return normalsAt(file.load(), 0, vec3(1.0f / 3.0f), up, up); };
+    expectNear(normals().coat, {0.5f, 0.5f, kUp});
+    EXPECT_FALSE(warnsOf(file.load(), "clearcoat"));
+    material.erase("normalTexture");
+    EXPECT_EQ(normals().mapped, up);
+    expectNear(normals().coat, {0.5f, 0.5f, kUp});
+    material["extensions"]["KHR_materials_clearcoat"]["clearcoatNormalTexture"]["scale"] = 0.0;
+    expectNear(normals().coat, up);
+}
+
 TEST(NormalMap, WithoutCoordinatesTheSurfaceHasSomeFrame) {
     const Scene scene = leaning({0, 0, 0, 0, 0, 0}).load();
     EXPECT_NEAR(glm::length(normalOf(scene)), 1.0f, 1e-5f);

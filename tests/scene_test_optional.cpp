@@ -86,7 +86,7 @@ TEST(SceneOptionalParts, ABrokenAnimationIsIgnoredLikeAnyOther) {
 }
 
 TEST(SceneOptionalParts, RequiredExtensionsOfLooksAreIgnoredByName) {
-    for (const char* name : {"KHR_materials_iridescence", "KHR_texture_basisu"}) {
+    for (const char* name : {"KHR_materials_dispersion", "KHR_texture_basisu"}) {
         GltfFile file = oneTriangle();
         file.json["extensionsUsed"] = {name};
         file.json["extensionsRequired"] = {name};

@@ -122,19 +122,14 @@ TEST(Brdf, WhiteFurnaceNeverGainsEnergy) {
 // Light that microfacets scatter more than once is not lost, whatever the view and the roughness.
 TEST(Brdf, WhiteSurfacesReflectAllOfTheLight) {
     constexpr double kError = 0.01;
-    MaterialParams params{.base_color = vec3(1.0f),
-                          .metallic = 1.0f,
-                          .specular_color = vec3(1.0f),
-                          .specular = 1.0f,
-                          .emission = vec3(0.0f),
-                          .roughness = 0.0f};
+    MaterialParams params = glossyParams(vec3(1.0f), 1.0f, 0.0f);
     for (const float roughness : {0.03f, 0.2f, 0.5f, 0.8f, 1.0f}) {
         params.roughness = roughness;
         for (const float mu : {0.05f, 0.2f, 0.6f, 1.0f}) {
             const glm::dvec2 once = albedoByQuadrature(mu, shared::alphaFromRoughness(roughness));
             for (const float metallic : {0.0f, 1.0f}) {
                 params.metallic = metallic;
-                const Brdf brdf = shared::makeBrdf(params, brdfAlbedo(mu, roughness));
+                const Brdf brdf = shared::makeBrdf(params, mu, brdfAlbedo(mu, roughness));
                 EXPECT_NEAR(brdf.diffuse.x + brdf.f0.x * once.x + brdf.f90 * once.y, 1.0, kError)
                     << "NoV " << mu << " roughness " << roughness << " metallic " << metallic;
             }
@@ -144,15 +139,10 @@ TEST(Brdf, WhiteSurfacesReflectAllOfTheLight) {
 
 // Layers take from the surface what they reflect: white ones on white lose and gain nothing.
 TEST(Layers, WhiteOnWhiteReflectsAllOfTheLight) {
-    const MaterialParams white{.base_color = vec3(1.0f),
-                               .metallic = 0.0f,
-                               .specular_color = vec3(1.0f),
-                               .specular = 1.0f,
-                               .emission = vec3(0.0f),
-                               .roughness = 0.7f};
+    const MaterialParams white = glossyParams(vec3(1.0f), 0.0f, 0.7f);
     for (const float NoV : {0.05f, 0.4f, 1.0f}) {
         const vec2 ab = brdfAlbedo(NoV, white.roughness);
-        const Brdf below = shared::makeBrdf(white, ab);
+        const Brdf below = shared::makeBrdf(white, NoV, ab);
         for (const Layers& layers :
              {Layers{.coat = 1.0f, .coat_roughness = 0.2f},
               Layers{.coat = 0.5f, .coat_roughness = 0.9f},
@@ -190,14 +180,9 @@ TEST(Layers, FibresReflectWhatTheirDistributionSays) {
 // What meets a coloured surface again is coloured again.
 TEST(Brdf, RoughGoldIsNoPalerThanSmoothGoldAndReflectsLess) {
     const vec3 gold(1.0f, 0.7f, 0.2f);
-    const MaterialParams params{.base_color = gold,
-                                .metallic = 1.0f,
-                                .specular_color = vec3(1.0f),
-                                .specular = 1.0f,
-                                .emission = vec3(0.0f),
-                                .roughness = 1.0f};
+    const MaterialParams params = glossyParams(gold, 1.0f, 1.0f);
     const vec2 ab = brdfAlbedo(0.7f, params.roughness);
-    const Brdf brdf = shared::makeBrdf(params, ab);
+    const Brdf brdf = shared::makeBrdf(params, 0.7f, ab);
     const vec3 albedo = brdf.f0 * ab.x + vec3(brdf.f90 * ab.y);
     EXPECT_LE(albedo.x, 1.0f);
     EXPECT_LT(albedo.y, gold.y);
@@ -214,21 +199,16 @@ TEST(Brdf, SmoothMirrorReflectsAllByFresnel) {
 }
 
 TEST(Brdf, WhiteDiffuseBaseUnderALobeReflectsEverythingTheLobeLeaves) {
-    MaterialParams params{.base_color = vec3(1.0f),
-                          .metallic = 0.0f,
-                          .specular_color = vec3(1.0f),
-                          .specular = 1.0f,
-                          .emission = vec3(0.0f),
-                          .roughness = 0.6f};
+    MaterialParams params = glossyParams(vec3(1.0f), 0.0f, 0.6f);
     const vec2 ab = brdfAlbedo(0.7f, params.roughness);
-    const Brdf brdf = shared::makeBrdf(params, ab);
+    const Brdf brdf = shared::makeBrdf(params, 0.7f, ab);
     EXPECT_NEAR(brdf.diffuse.x + brdf.f0.x * ab.x + brdf.f90 * ab.y, 1.0f, 1e-6f);
     params.specular = 0.0f;
-    const Brdf diffuse = shared::makeBrdf(params, ab);
+    const Brdf diffuse = shared::makeBrdf(params, 0.7f, ab);
     EXPECT_EQ(diffuse.diffuse, vec3(1.0f));
     EXPECT_EQ(shared::evalSpecular(diffuse, kUp, direction(0.5f, 0), direction(0.5f, 3)), vec3(0));
     params.metallic = 1.0f;
-    EXPECT_EQ(shared::makeBrdf(params, ab).diffuse, vec3(0.0f));
+    EXPECT_EQ(shared::makeBrdf(params, 0.7f, ab).diffuse, vec3(0.0f));
 }
 
 TEST(Brdf, IsZeroBelowTheHorizon) {

@@ -15,7 +15,9 @@ inline MaterialParams diffuseParams(const vec3& albedo, const vec3& emission = v
             .specular_color = vec3(1.0f),
             .specular = 0.0f,
             .emission = emission,
-            .roughness = 1.0f};
+            .roughness = 1.0f,
+            .film = vec3(0.0f),
+            .transmission = 0.0f};
 }
 
 inline MaterialParams glossyParams(const vec3& base, float metallic, float roughness,
@@ -25,7 +27,9 @@ inline MaterialParams glossyParams(const vec3& base, float metallic, float rough
             .specular_color = vec3(1.0f),
             .specular = 1.0f,
             .emission = emission,
-            .roughness = roughness};
+            .roughness = roughness,
+            .film = vec3(0.0f),
+            .transmission = 0.0f};
 }
 
 inline uint32_t addMaterial(Scene& scene, const MaterialParams& params) {

@@ -87,7 +87,7 @@ vec3 liftToSurface(vec3 p, vec3 n_g, vec3 wi, float lod_error) {
 vec3 directRadiance(Surface s, vec3 wo, float solid_angle) {
 #ifndef LAMBERTIAN
     float NoV = max(dot(s.n, wo), MIN_COSINE);
-    Brdf brdf = makeBrdf(s.material, brdfAlbedo(NoV, s.material.roughness));
+    Brdf brdf = makeBrdf(s.material, NoV, brdfAlbedo(NoV, s.material.roughness));
     float alpha = brdf.alpha;
 #endif
     vec3 sum = vec3(0.0);

@@ -8,6 +8,7 @@
 #ifndef SHARED_BRDF_GLSL
 #define SHARED_BRDF_GLSL
 
+#include "shared/fresnel.glsl"
 #include "shared/language.glsl"
 
 // Below this roughness the lobe is narrower than float arithmetic on unit vectors resolves.
@@ -38,6 +39,8 @@ struct MaterialParams {
     float specular;
     vec3 emission;        // radiance, nits
     float roughness;      // perceptual
+    vec3 film;            // KHR_materials_iridescence: how much of it has one, index, nanometres
+    float transmission;   // how much of what enters a dielectric passes: KHR_materials_transmission
 };
 
 // Continuous sample coordinates (x: NoV, y: roughness) in the albedo table, 0..size-1.
@@ -80,19 +83,24 @@ FN vec3 microfacetGain(IN(vec3) f0, IN(vec2) albedo_ab) {
     return vec3(1.0f) + f0 * max(1.0f / once - 1.0f, 0.0f);
 }
 
+// What a surface transmits is what it does not scatter, of the light that its lobe does not reflect.
+// A film colours the lobe by the angle at which it is seen, whatever the half vector.
 // `albedo_ab` is the albedo table at (NoV, roughness). f90 is one number for all channels, and so is
 // its gain, by the mean f0. [glTF, KHR_materials_specular]
-FN Brdf makeBrdf(IN(MaterialParams) m, IN(vec2) albedo_ab) {
+FN Brdf makeBrdf(IN(MaterialParams) m, float NoV, IN(vec2) albedo_ab) {
     Brdf b;
     vec3 dielectric_f0 = min(0.04f * m.specular_color, vec3(1.0f)) * m.specular;
     b.f0 = mix(dielectric_f0, m.base_color, m.metallic);
     b.f90 = mix(m.specular, 1.0f, m.metallic);
+    if (m.film.x > 0.0f && m.film.z > 0.0f) {
+        b.f0 = f0UnderFilm(b.f0, vec3(m.film.x * b.f90, m.film.y, m.film.z), NoV);
+    }
     vec3 gain = microfacetGain(b.f0, albedo_ab);
     b.f0 *= gain;
     b.f90 *= (gain.x + gain.y + gain.z) / 3.0f;
     b.alpha = alphaFromRoughness(m.roughness);
     vec3 e_spec = b.f0 * albedo_ab.x + vec3(b.f90 * albedo_ab.y);
-    b.diffuse = (1.0f - m.metallic) * m.base_color * (vec3(1.0f) - e_spec);
+    b.diffuse = (1.0f - m.metallic) * (1.0f - m.transmission) * m.base_color * (vec3(1.0f) - e_spec);
     return b;
 }
 
@@ -110,13 +118,6 @@ FN float visibilitySmith(float NoV, float NoL, float alpha) {
     float v = NoL * sqrt(NoV * NoV * (1.0f - a2) + a2);
     float l = NoV * sqrt(NoL * NoL * (1.0f - a2) + a2);
     return 0.5f / max(v + l, MIN_COSINE * MIN_COSINE);
-}
-
-// Weight of F90 in Schlick's Fresnel. [Sch94, eq. 15]
-FN float schlickWeight(float VoH) {
-    float m = clamp(1.0f - VoH, 0.0f, 1.0f);
-    float m2 = m * m;
-    return m2 * m2 * m;
 }
 
 // The specular term without its Fresnel factor, and Schlick's weight: f = value * mix(f0, f90, w).

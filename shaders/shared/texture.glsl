@@ -89,7 +89,10 @@ const int TEXTURE_METALLIC_ROUGHNESS = 1;  // green: roughness, blue: metallic
 const int TEXTURE_EMISSION = 2;
 const int TEXTURE_SPECULAR = 3;  // alpha
 const int TEXTURE_SPECULAR_COLOR = 4;
-const int TEXTURE_USES = 5;
+const int TEXTURE_TRANSMISSION = 5;  // red
+const int TEXTURE_FILM = 6;          // red
+const int TEXTURE_FILM_THICKNESS = 7;  // green
+const int TEXTURE_USES = 8;
 
 // The material with a texel of one of its textures, linear light, applied: a factor.
 FN MaterialParams withTexel(IN(MaterialParams) material, int use, IN(vec4) texel) {
@@ -104,8 +107,14 @@ FN MaterialParams withTexel(IN(MaterialParams) material, int use, IN(vec4) texel
         m.emission *= color;
     } else if (use == TEXTURE_SPECULAR) {
         m.specular *= texel.w;
-    } else {
+    } else if (use == TEXTURE_SPECULAR_COLOR) {
         m.specular_color *= color;
+    } else if (use == TEXTURE_TRANSMISSION) {
+        m.transmission *= texel.x;
+    } else if (use == TEXTURE_FILM) {
+        m.film.x *= texel.x;
+    } else {
+        m.film.z *= texel.y;
     }
     return m;
 }

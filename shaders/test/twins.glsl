@@ -39,7 +39,9 @@ FN Brdf twinBrdf(IN(vec4) c, IN(vec4) d) {
     m.specular = abs(d.y);
     m.emission = vec3(0.0f);
     m.roughness = abs(d.z);
-    return makeBrdf(m, vec2(0.7f, 0.1f) * abs(d.w));
+    m.film = vec3(abs(c.x), 1.0f + abs(c.y), 1000.0f * abs(c.z));
+    m.transmission = 0.25f * abs(c.w);
+    return makeBrdf(m, abs(d.w), vec2(0.7f, 0.1f) * abs(d.w));
 }
 
 FN View twinView(IN(vec4) a, IN(vec4) b, IN(vec4) c, int kind) {

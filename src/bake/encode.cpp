@@ -83,13 +83,17 @@ EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<ve
             const MaterialParams material = materialAt(scene, triangle, at);
             const Layers layers = layersAt(scene, triangle, at);
             Brdf brdf =
-                underLayers(shared::makeBrdf(material, brdfAlbedo(1.0f, material.roughness)),
+                underLayers(shared::makeBrdf(material, 1.0f, brdfAlbedo(1.0f, material.roughness)),
                             layers, 1.0f, 1.0f);
             brdf.diffuse += coatAlbedo(layers, 1.0f);
             const vec3 specular = specularAlbedo(1.0f, material.roughness, brdf.f0, brdf.f90);
-            radiance.pixels[i] =
+            const vec3 sent =
                 (brdf.diffuse + specular) * irradiance.pixels[i] / kPi + material.emission;
-            coverage.pixels[i] = vec3(coverageAt(scene, triangle, at));
+            // What glass sends is not dimmed by how much of the light it lets pass.
+            const Crossing crossing = crossingAt(
+                scene, triangle, at, -geometricNormal(scene, static_cast<int>(triangle)));
+            coverage.pixels[i] = vec3(crossing.chance);
+            radiance.pixels[i] = crossing.chance > 0.0f ? crossing.weightOfMeeting() * sent : sent;
         }
     });
     dilate(map, radiance);

@@ -144,22 +144,25 @@ void seeCells(const RayScene& rays, const Lights& lights, const Surface& p,
     counters.rays += static_cast<int64_t>(directions.size());
     std::array<Surface, kPacket> met;
     std::array<WardCell*, kPacket> met_by;
+    std::array<vec3, kPacket> weights;
     size_t count = 0;
     for (size_t k = 0; k < directions.size(); ++k) {
         if (hits[k].found()) {
             met[count] = rays.surfaceAt(hits[k], -directions[k]);
             met_by[count] = cells[k];
+            weights[count] = hits[k].weight;
             ++count;
         } else {
-            cells[k]->radiance = rays.scene().environment.radiance(directions[k]);
+            cells[k]->radiance = hits[k].weight * rays.scene().environment.radiance(directions[k]);
         }
     }
     std::array<vec3, kPacket> lit;
     directRadiance(rays, {met.data(), count}, lit.data(), counters);
     for (size_t k = 0; k < count; ++k) {
         const vec3 radiance =
-            lit[k] + lampsAndSky(rays, lights, met[k], hashCombine(seed, static_cast<uint32_t>(k)),
-                                 counters);
+            weights[k] *
+            (lit[k] + lampsAndSky(rays, lights, met[k], hashCombine(seed, static_cast<uint32_t>(k)),
+                                  counters));
         met_by[k]->distance = glm::length(met[k].position - p.position);
         if (finite(radiance)) {
             met_by[k]->radiance = radiance;

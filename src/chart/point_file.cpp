@@ -98,8 +98,9 @@ Measurement measurementFromJson(const Json& json) {
 
 std::string contentHash(const Scene& scene) {
     // These are hashed as bytes, so they must have no padding.
-    static_assert(sizeof(MaterialParams) == 12 * sizeof(float));
+    static_assert(sizeof(MaterialParams) == 16 * sizeof(float));
     static_assert(sizeof(TextureUse) == 2 * sizeof(int) + 6 * sizeof(float));
+    static_assert(sizeof(Layers) == 6 * sizeof(float));
     static_assert(sizeof(PunctualLight) == 16 * sizeof(float));
     Hash hash;
     hash.add(scene.positions);
@@ -116,10 +117,16 @@ std::string contentHash(const Scene& scene) {
                                material.blended ? 1.0f : 0.0f, material.alpha,
                                material.alpha_cutoff};
         hash.add(flags, sizeof(flags));
-        for (const TextureUse* use : {&material.alpha_texture, &material.normal_texture}) {
+        for (const TextureUse* use :
+             {&material.alpha_texture, &material.normal_texture, &material.coat_normal_texture,
+              &material.coat_texture, &material.coat_roughness_texture,
+              &material.fibre_color_texture, &material.fibre_roughness_texture}) {
             hash.add(use, sizeof(*use));
         }
         hash.add(&material.normal_scale, sizeof(material.normal_scale));
+        hash.add(&material.coat_normal_scale, sizeof(material.coat_normal_scale));
+        hash.add(&material.layers, sizeof(material.layers));
+        hash.add(&material.absorption, sizeof(material.absorption));
         for (const TextureUse& use : material.textures) {
             hash.add(&use, sizeof(use));
         }

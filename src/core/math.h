@@ -55,6 +55,18 @@ inline float maxAbs(const vec3& p) {
     return glm::max(std::abs(p.x), glm::max(std::abs(p.y), std::abs(p.z)));
 }
 
+/// What is left of light of which that share passes, channel by channel, where one number says it:
+/// the middle of the channels.
+inline float passingShare(const vec3& passes) {
+    return 0.5f * (glm::min(passes.x, glm::min(passes.y, passes.z)) + maxAbs(passes));
+}
+
+/// The luminance of what passes; of a grey share, exactly that share of the light's.
+inline float luminancePassing(const vec3& passes, const vec3& light) {
+    const float most = maxAbs(passes);
+    return most > 0.0f ? most * luminance(passes / most * light) : 0.0f;
+}
+
 /// Axis-aligned bounds, world space; empty (lower > upper) until a point is added.
 struct Bounds {
     vec3 lower{kInfinity};

@@ -54,7 +54,7 @@ LobeStart placeInPixel(const OutgoingLight& light, const Receivers& receivers, s
         const float height =
             0.5f * glm::dot(p.position - receivers.positions[i], n.smooth + receivers.normals[i]);
         if (std::abs(height) <= kOffPlane * receivers.footprints[i]) {
-            return {p.eye(scene), p.n_g, n.mapped, p.wo};
+            return {p.eye(scene), p.n_g, receivers.are_coats ? n.coat : n.mapped, p.wo};
         }
     }
     return middle;

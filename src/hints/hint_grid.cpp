@@ -31,8 +31,9 @@ HintLook lookAt(const Scene& scene, const Hit& hit, const vec3& direction) {
     const float NoV = std::max(glm::dot(surface.n, p.wo), 0.0f);
     return {.position = p.eye(scene),
             .n_g = p.n_g,
-            .albedo = surface.brdf.diffuse +
-                      specularAlbedo(NoV, material.roughness, surface.brdf.f0, surface.brdf.f90)};
+            .albedo = hit.weight *
+                      (surface.brdf.diffuse +
+                       specularAlbedo(NoV, material.roughness, surface.brdf.f0, surface.brdf.f90))};
 }
 
 // What counts as a flat box's thickness.
@@ -146,7 +147,7 @@ void HintGrid::link(int hint) {
     const auto ask = [&] {
         const Tracer::Shares shares = tracer_.passing({ways.data(), count});
         for (size_t k = 0; k < count; ++k) {
-            links |= shares[k] > 0.5f ? bits[k] : 0u;
+            links |= passingShare(shares[k]) > 0.5f ? bits[k] : 0u;
         }
         count = 0;
     };
@@ -225,7 +226,7 @@ std::array<int, Tracer::kPacket> HintGrid::anchors(std::span<const Place> places
         }
         const Tracer::Shares shares = tracer_.passing({ways.data(), places.size()});
         for (size_t i = 0; i < places.size(); ++i) {
-            if (ways[i].length > 0.0f && shares[i] > 0.5f) {
+            if (ways[i].length > 0.0f && passingShare(shares[i]) > 0.5f) {
                 found[i] = candidates[i][t].hint;
             }
         }

@@ -137,7 +137,7 @@ RadianceHints::Values RadianceHints::ofSky(const Volume& volume, const SkySample
             }
             const Tracer::Shares shares = tracer_.passing(ways);
             for (size_t k = 0; k < ways.size(); ++k) {
-                if (shares[k] > 0.0f) {
+                if (shares[k] != vec3(0.0f)) {
                     addHintLight(ways[k].direction, shares[k] * lights[k], params_.order, sums);
                 }
             }
@@ -173,7 +173,7 @@ void RadianceHints::addSamples(const HintGrid& grid, int hint, float* sums) cons
     const auto ask = [&] {
         const Tracer::Shares shares = tracer_.passing({ways.data(), count});
         for (size_t k = 0; k < count; ++k) {
-            if (shares[k] > 0.0f) {
+            if (shares[k] != vec3(0.0f)) {
                 addHintLight(ways[k].direction, shares[k] * lights[k], params_.order, sums);
             }
         }

@@ -157,7 +157,7 @@ LitSample sampleOf(const Scene& scene, const LightRay& ray, const Hit& hit) {
     const Scatterer surface = scattererAt(scene, p);
     return {.position = p.eye(scene),
             .n_g = p.n_g,
-            .received = received,
+            .received = hit.weight * received,
             .group = 0,
             .wi = p.wo,
             .light_distance = light_distance,

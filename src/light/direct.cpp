@@ -29,7 +29,7 @@ vec3 manyLights(const Tracer& tracer, const ManyLights& lights, const LitPoint& 
     const auto flush = [&] {
         const Tracer::Shares passing = tracer.passing({ways, count});
         for (size_t k = 0; k < count; ++k) {
-            sum += passing[k] > 0.0f ? passing[k] * light[k] : vec3(0.0f);
+            sum += passing[k] != vec3(0.0f) ? passing[k] * light[k] : vec3(0.0f);
         }
         count = 0;
     };
@@ -64,7 +64,7 @@ void addPunctual(const Tracer& tracer, const ManyLights& lights, const PointAt& 
         for (const PunctualLight& light : lights.each()) {
             const Tracer::Shares shares = reaching(tracer, light, {sides, count});
             for (size_t k = 0; k < count; ++k) {
-                if (shares[k] == 0.0f) {
+                if (shares[k] == vec3(0.0f)) {
                     continue;
                 }
                 direct.at(columns[k], y) +=

@@ -58,7 +58,7 @@ bool IrradianceCells::parted(const Hit& hit, const Cell& cell) const {
     }
     const Tracer::Shares shares = tracer_.passing(ways);
     return std::any_of(shares.begin(), shares.begin() + ways.size(),
-                       [](float share) { return share == 0.0f; });
+                       [](const vec3& share) { return share == vec3(0.0f); });
 }
 
 }  // namespace sheen

@@ -85,7 +85,7 @@ class PixelLamps {
     void add(int first, int count, Sum& sum) const {
         for (int i = first; i < first + count; i += kPacket) {
             vec3 light[kPacket], open[kPacket];
-            float shares[kPacket];
+            vec3 shares[kPacket];
             addTowardLamps(i, light, open, shares, sum);
             if (lobe_) {
                 addFollowed(i, light, [this](const vec2& u) {
@@ -98,7 +98,7 @@ class PixelLamps {
             }
             for (int k = 0; k < kPacket; ++k) {
                 const float plain = luminance(light[k]), all = luminance(open[k]);
-                const float arriving = shares[k] * all;
+                const float arriving = luminancePassing(shares[k], open[k]);
                 sum.light += light[k];
                 sum.squares += plain * plain;
                 sum.open += open[k];
@@ -134,7 +134,7 @@ class PixelLamps {
 
   private:
     // And what of it, at each sample, is a share of what is known to arrive where nothing hides it.
-    void addTowardLamps(int first, vec3* light, vec3* open, float* shares, Sum& sum) const {
+    void addTowardLamps(int first, vec3* light, vec3* open, vec3* shares, Sum& sum) const {
         Way ways[kPacket];
         bool tells[kPacket] = {};
         for (int k = 0; k < kPacket; ++k) {
@@ -154,7 +154,7 @@ class PixelLamps {
         }
         const Tracer::Shares passing = tracer_.passing(ways);
         for (size_t k = 0; k < kPacket; ++k) {
-            const bool arrives = passing[k] > 0.0f;
+            const bool arrives = passing[k] != vec3(0.0f);
             sum.hidden += tells[k] && !arrives ? 1 : 0;
             sum.free += tells[k] && arrives ? 1 : 0;
             light[k] = arrives ? passing[k] * light[k] : vec3(0.0f);
@@ -188,7 +188,8 @@ class PixelLamps {
                 lamps_.density(point_.side, point_.surface.n, hits[i], directions[i]);
             if (density > 0.0f) {
                 const bool known = known_ && lamps_.withinReach(point_.side, hits[i]);
-                light[of[i]] += over(density, directions[i], known) * lamps_.radiance(hits[i]);
+                light[of[i]] +=
+                    over(density, directions[i], known) * hits[i].weight * lamps_.radiance(hits[i]);
             }
         }
     }

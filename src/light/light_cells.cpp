@@ -60,8 +60,8 @@ Reached reachedAt(const Tracer& tracer, std::span<const PunctualLight> lights, u
             }
             const Tracer::Shares shares = reaching(tracer, lights[l], {points, count});
             for (size_t k = 0; k < count; ++k) {
-                result.some[first + k] |= shares[k] > 0.0f ? light : 0u;
-                result.whole[first + k] |= shares[k] == 1.0f ? light : 0u;
+                result.some[first + k] |= shares[k] != vec3(0.0f) ? light : 0u;
+                result.whole[first + k] |= shares[k] == vec3(1.0f) ? light : 0u;
             }
         }
     }

@@ -28,7 +28,7 @@ class OutgoingLight {
     static constexpr size_t kTogether = size_t{32} * Tracer::kPacket;
 
     /// The radiance that arrives along each of at most kTogether rays, which met `hits` (misses
-    /// among them). As many `radiance` as rays.
+    /// among them), whose weights count. As many `radiance` as rays.
     virtual void radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const = 0;
 
   private:

@@ -26,8 +26,8 @@ void addPatches(const Scene& scene, uint32_t triangle, const TriangleGrid& grid,
     grid.forEachCell([&](uint32_t, const uvec3& c, const vec2& middle) {
         const MaterialParams material =
             materialAt(scene, triangle, vec3(1.0f - middle.x - middle.y, middle));
-        const Brdf brdf =
-            shared::makeBrdf(material, brdfAlbedo(kTypicalCosine, material.roughness));
+        const Brdf brdf = shared::makeBrdf(material, kTypicalCosine,
+                                           brdfAlbedo(kTypicalCosine, material.roughness));
         const vec3 albedo = specularAlbedo(kTypicalCosine, material.roughness, brdf.f0, brdf.f90) +
                             (specular ? vec3(0.0f) : brdf.diffuse);
         // A texture's middle does not tell of all of the cell.

@@ -168,7 +168,7 @@ PhotonTracer::Lit PhotonTracer::light(const SurfaceSide& side, const vec3& n, ui
     float sums[kOffers];
     float sum = 0.0f;
     for (size_t k = 0; k < kOffers; ++k) {
-        sum += shares[k] > 0.0f ? shares[k] * luminance(all[k].irradiance) : 0.0f;
+        sum += luminancePassing(shares[k], all[k].irradiance);
         sums[k] = sum;
     }
     if (!(sum > 0.0f)) {
@@ -180,8 +180,8 @@ PhotonTracer::Lit PhotonTracer::light(const SurfaceSide& side, const vec3& n, ui
         ++chosen;
     }
     const float mean = sum / kOffers;
-    return {.wi = all[chosen].wi,
-            .irradiance = all[chosen].irradiance * (mean / luminance(all[chosen].irradiance))};
+    const vec3 arriving = shares[chosen] / maxAbs(shares[chosen]) * all[chosen].irradiance;
+    return {.wi = all[chosen].wi, .irradiance = arriving * (mean / luminance(arriving))};
 }
 
 // Photon `number` of `count` at its first surface: lit, and on its way from there. Returns
@@ -332,6 +332,7 @@ void PhotonTracer::fly(std::span<const Flight> flights, int bounce, std::vector<
             continue;
         }
         Flight flight = flights[k];
+        flight.power *= hit.weight;
         const SurfacePoint p =
             surfacePoint(scene_, hit.triangle, hit.u, hit.v, -flight.direction, hit.distance);
         const Scatterer surface = scattererAt(scene_, p);

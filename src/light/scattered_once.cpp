@@ -96,6 +96,9 @@ void ScatteredOnce::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
     if (choosing()) {
         addSampled(rays, all, radiance);
     }
+    for (size_t i = 0; i < hits.size(); ++i) {
+        radiance[i] *= hits[i].weight;
+    }
 }
 
 // Adds the punctual lights that a packet of hits lacks.
@@ -130,8 +133,8 @@ void ScatteredOnce::addPunctual(const Rays& rays, std::span<const Lit> lacking,
         }
         const Tracer::Shares passing = tracer().passing({ways, lacking.size()});
         for (size_t k = 0; k < lacking.size(); ++k) {
-            const float share = ways[k].length > 0.0f ? passing[k] : 1.0f;
-            if (!arrives[k] || share == 0.0f) {
+            const vec3 share = ways[k].length > 0.0f ? passing[k] : vec3(1.0f);
+            if (!arrives[k] || share == vec3(0.0f)) {
                 continue;
             }
             if (!surfaces[k]) {
@@ -191,7 +194,7 @@ void ScatteredOnce::sample(std::span<const Asked> points, vec3* radiance) const 
     for (size_t source = 0; source < kSources; ++source) {
         const Tracer::Shares passing = tracer().passing({ways[source], points.size()});
         for (size_t k = 0; k < points.size(); ++k) {
-            radiance[k] += passing[k] > 0.0f ? passing[k] * light[source][k] : vec3(0.0f);
+            radiance[k] += passing[k] != vec3(0.0f) ? passing[k] * light[source][k] : vec3(0.0f);
         }
     }
 }

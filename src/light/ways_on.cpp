@@ -117,7 +117,8 @@ WaysOn::Point::Point(const Scene& scene, const Hit& hit_, const vec3& wo_) : hit
 }
 
 vec3 WaysOn::Point::albedoAt(const Scene& scene, const vec2& uv) const {
-    return materialAt(scene, hit.triangle, vec3(1.0f - uv.x - uv.y, uv)).base_color;
+    const MaterialParams material = materialAt(scene, hit.triangle, vec3(1.0f - uv.x - uv.y, uv));
+    return (1.0f - material.transmission) * material.base_color;
 }
 
 vec3 WaysOn::Point::albedo(const Scene& scene) const {
@@ -166,7 +167,7 @@ void WaysOn::follow(const Rays& rays, std::span<const Hit> hits, const Light& li
     };
     for (size_t i = 0; i < hits.size(); ++i) {
         if (hits[i].found()) {
-            goOn(hits[i], -rays.directions[i], i, 0, vec3(1.0f), rays.without_caustics,
+            goOn(hits[i], -rays.directions[i], i, 0, hits[i].weight, rays.without_caustics,
                  sets[rays.setOf(i)]);
         }
     }
@@ -184,8 +185,8 @@ void WaysOn::follow(const Rays& rays, std::span<const Hit> hits, const Light& li
                     const vec3& weight = ways.weights[first + i];
                     light(ways.of[first + i], followed, weight * seen[i]);
                     Chances chances(seedOf(met[i]));
-                    goOn(met[i], -cast.directions[i], ways.of[first + i], followed, weight,
-                         without_caustics, chances);
+                    goOn(met[i], -cast.directions[i], ways.of[first + i], followed,
+                         met[i].weight * weight, without_caustics, chances);
                 }
             }
         }

@@ -43,6 +43,9 @@ void writePixel(const Scene& scene, const Camera& camera, int height, const Hit&
         g.coat.pixels[i] = layers.coat;
         g.coat_roughness.pixels[i] = layers.coat_roughness;
     }
+    if (!g.coat_normal.empty()) {
+        g.coat_normal.pixels[i] = normals.coat;
+    }
     g.primitive.pixels[i] = hit.triangle;
 }
 
@@ -103,10 +106,15 @@ GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& imag
         result.coat = Image<float>(width, height);
         result.coat_roughness = Image<float>(width, height);
     }
+    if (std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+            return m.layers.coat > 0.0f && m.coat_normal_texture.used();
+        })) {
+        result.coat_normal = Image<vec3>(width, height);
+    }
     result.primitive = Image<uint32_t>(width, height, kNoPrimitive);
     if (std::any_of(scene.materials.begin(), scene.materials.end(),
                     [](const Material& m) { return m.blended; })) {
-        result.share = Image<float>(width, height);
+        result.share = Image<vec3>(width, height);
     }
     std::vector<int> veils(static_cast<size_t>(height), 0);  // by row
     parallelFor(height, [&](int y) {

@@ -30,11 +30,13 @@ struct GBuffer {
     // Of clear coats; empty where no material has one.
     Image<float> coat;            ///< how much of the surface is coated
     Image<float> coat_roughness;  ///< perceptual
+    Image<vec3> coat_normal;      ///< by normal maps of their own; empty where none has one
     Image<vec3> direct;           ///< radiance of direct light
     Image<vec3> emission;         ///< radiance; empty where no material emits and no sky shows
     Image<uint32_t> primitive;
-    /// What share of the pixel's light comes from there; empty where it is all of it everywhere.
-    Image<float> share;
+    /// What share of the light from there the pixel sees, through glass of each channel another;
+    /// empty where it is all of it everywhere.
+    Image<vec3> share;
     /// How many blended surfaces lie before what is behind them, at most.
     int veils = 0;
 
@@ -42,7 +44,7 @@ struct GBuffer {
     const vec3& mappedNormalAt(size_t i) const {
         return (mapped_normal.empty() ? normal : mapped_normal).pixels[i];
     }
-    float shareAt(size_t i) const { return share.empty() ? 1.0f : share.pixels[i]; }
+    vec3 shareAt(size_t i) const { return share.empty() ? vec3(1.0f) : share.pixels[i]; }
     bool seen(size_t i) const { return depth.pixels[i] > 0.0f; }
     /// Where rays leave what pixel i sees, on the camera's side.
     SurfaceSide sideAt(const Scene& scene, size_t i) const {

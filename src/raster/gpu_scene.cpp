@@ -50,7 +50,7 @@ struct PackedMaterial {
     int pad[2];
     PackedTexture textures[shared::TEXTURE_USES + 1];  // the last: the normal's
 };
-static_assert(sizeof(PackedMaterial) == (4 + 4 * (shared::TEXTURE_USES + 1)) * 16);
+static_assert(sizeof(PackedMaterial) == (5 + 4 * (shared::TEXTURE_USES + 1)) * 16);
 struct PackedCorner {
     vec4 color;
     vec4 tangent;

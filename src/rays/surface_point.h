@@ -89,9 +89,9 @@ inline Scatterer underLayersAt(const SurfacePoint& p, const MaterialParams& mate
     const float NoV = glm::dot(surface.n, p.wo);
     // A Lambertian surface needs no albedo of a lobe it does not have.
     surface.brdf = shared::makeBrdf(
-        material, isLambertian(material) ? vec2(0.0f) : brdfAlbedo(NoV, material.roughness));
+        material, NoV, isLambertian(material) ? vec2(0.0f) : brdfAlbedo(NoV, material.roughness));
     if (!layers.none()) {
-        surface.brdf = underLayers(surface.brdf, layers, NoV, glm::dot(normals.smooth, p.wo));
+        surface.brdf = underLayers(surface.brdf, layers, NoV, glm::dot(normals.coat, p.wo));
     }
     return surface;
 }
@@ -104,7 +104,7 @@ inline Scatterer scattererAt(const Scene& scene, const SurfacePoint& p,
         normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo, p.footprint);
     Scatterer surface = underLayersAt(p, material, layers, normals);
     if (layers.coat > 0.0f) {
-        surface.brdf.diffuse += coatAlbedo(layers, glm::dot(normals.smooth, p.wo));
+        surface.brdf.diffuse += coatAlbedo(layers, glm::dot(normals.coat, p.wo));
     }
     return surface;
 }

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "rays/absorption.h"
 #include "rays/jitter.h"
 
 namespace sheen {
@@ -23,6 +24,7 @@ struct Query {
     RTCIntersectContext context;
     bool meets_veils = false;  // else by chance
     uint32_t veiled = 0;       // bit k: a veil hides ray k, or more than one
+    uint32_t glass = 0;        // bit k: ray k crosses glass
 
     explicit Query(RTCIntersectContextFlags flags) {
         rtcInitIntersectContext(&context);
@@ -45,7 +47,15 @@ void setRay(RTCRay8& rays, int lane, const vec3& origin, const vec3& direction, 
     rays.flags[lane] = 0;
 }
 
-// body(k, point, coverage) for each ray of a packet that meets what light passes; where it returns
+Crossing crossingOf(const Scene& scene, const Hit& hit, const vec3& along) {
+    return crossingAt(scene, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v), along);
+}
+
+const Material& materialOf(const Scene& scene, const Hit& hit) {
+    return scene.materials[scene.materials_of[hit.triangle]];
+}
+
+// body(k, point, crossing) for each ray of a packet that meets what light passes; where it returns
 // false the ray goes on.
 template <class F>
 void filter(const RTCFilterFunctionNArguments* met, const F& body) {
@@ -57,27 +67,34 @@ void filter(const RTCFilterFunctionNArguments* met, const F& body) {
         const Hit hit{.triangle = RTCHitN_primID(met->hit, met->N, k),
                       .u = RTCHitN_u(met->hit, met->N, k),
                       .v = RTCHitN_v(met->hit, met->N, k)};
-        const float coverage =
-            coverageAt(scene, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
-        if (coverage < 1.0f && !body(k, hit, coverage)) {
+        const vec3 along(RTCRayN_dir_x(met->ray, met->N, k), RTCRayN_dir_y(met->ray, met->N, k),
+                         RTCRayN_dir_z(met->ray, met->N, k));
+        const Crossing crossing = crossingOf(scene, hit, along);
+        if (crossing.chance < 1.0f && !body(k, hit, crossing)) {
             met->valid[k] = 0;
         }
     }
 }
 
 void filterMet(const RTCFilterFunctionNArguments* met) {
-    const auto& query = *reinterpret_cast<const Query*>(met->context);
-    filter(met, [&](unsigned int, const Hit& hit, float coverage) {
+    auto& query = *reinterpret_cast<Query*>(met->context);
+    const Scene& scene = *static_cast<const Scene*>(met->geometryUserPtr);
+    filter(met, [&](unsigned int k, const Hit& hit, const Crossing& crossing) {
+        if (query.meets_veils) {
+            return crossing.chance > 0.0f;
+        }
         const float chance =
             static_cast<float>(hashOfPoint(hit.triangle, hit.u, hit.v) >> 8u) * 0x1p-24f;
-        return query.meets_veils ? coverage > 0.0f : chance < coverage;
+        query.glass |=
+            materialOf(scene, hit).transmits() ? 1u << RTCRayN_id(met->ray, met->N, k) : 0u;
+        return chance < crossing.chance;
     });
 }
 
 void filterHidden(const RTCFilterFunctionNArguments* met) {
     auto& query = *reinterpret_cast<Query*>(met->context);
-    filter(met, [&](unsigned int k, const Hit&, float coverage) {
-        query.veiled |= coverage > 0.0f ? 1u << RTCRayN_id(met->ray, met->N, k) : 0u;
+    filter(met, [&](unsigned int k, const Hit&, const Crossing& crossing) {
+        query.veiled |= crossing.chance > 0.0f ? 1u << RTCRayN_id(met->ray, met->N, k) : 0u;
         return false;
     });
 }
@@ -147,6 +164,7 @@ void Tracer::meet(const Rays& rays, Hit* hits, vec3* planes) const {
             met.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
             met.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         }
+        query.glass = 0;
         rtcIntersect8(cast.lanes, embree_.get(), &query.context, &met);
         for (size_t i = first; i < end; ++i) {
             const auto k = static_cast<int>(i - first);
@@ -159,6 +177,9 @@ void Tracer::meet(const Rays& rays, Hit* hits, vec3* planes) const {
                                   .distance = met.ray.tfar[k],
                                   .back = along > 0.0f}
                             : Hit{};
+            if ((query.glass >> k & 1u) != 0) {
+                hits[i].weight = weightOf(rays.originOf(i), rays.directions[i], hits[i]);
+            }
             if (planes != nullptr) {
                 planes[i] = found ? n_g / (along * met.ray.tfar[k]) : vec3(0.0f);
             }
@@ -170,27 +191,37 @@ Sight Tracer::seeAlone(const vec3& origin, const vec3& direction) const {
     constexpr float kDark = 1.0f / 512.0f;  // passes no light that shows
     Sight sight;
     Sight::Part& ground = sight.ground;
+    Absorption absorption;
+    vec3 passing(1.0f);  // surfaces
     for (float from = 0.0f;; from = std::nextafter(ground.hit.distance, kInfinity)) {
         ground.hit = meetAlone(origin, direction, from, kInfinity);
         const Hit& hit = ground.hit;
         if (!hit.found()) {
+            ground.share = passing * absorption.passing(kInfinity);
             return sight;
         }
-        const Material& material = scene_.materials[scene_.materials_of[hit.triangle]];
+        const Material& material = materialOf(scene_, hit);
+        const auto cross_if = [&](bool side) {
+            if (side) {
+                absorption.cross(material, hit.back, hit.distance);
+            }
+        };
+        cross_if(hit.back);
+        ground.share = passing * absorption.passing(hit.distance);
+        cross_if(!hit.back);
         if (hit.back && material.single_sided) {
             continue;
         }
-        const float coverage =
-            material.blended
-                ? coverageAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v))
-                : 1.0f;
-        const float behind = (1.0f - coverage) * ground.share;
-        if (behind < kDark || sight.veil_count == Sight::kMostVeils) {
+        const Crossing crossing =
+            material.blended ? crossingOf(scene_, hit, direction)
+                             : Crossing{.meets = 1.0f, .chance = 1.0f, .passes = vec3(0.0f)};
+        if (maxAbs(crossing.passes * ground.share) < kDark ||
+            sight.veil_count == Sight::kMostVeils) {
             return sight;
         }
-        sight.veils[static_cast<size_t>(sight.veil_count++)] = {.hit = hit,
-                                                                .share = coverage * ground.share};
-        ground.share = behind;
+        sight.veils[static_cast<size_t>(sight.veil_count++)] = {
+            .hit = hit, .share = crossing.meets * ground.share};
+        passing *= crossing.passes;
     }
 }
 
@@ -222,15 +253,40 @@ Hit Tracer::meetAlone(const vec3& origin, const vec3& direction, float from, flo
             .back = glm::dot(n_g, direction) > 0.0f};
 }
 
+// One by one: Embree asks filters in any order, of what lies behind the hit too.
+vec3 Tracer::weightOf(const vec3& origin, const vec3& direction, const Hit& hit) const {
+    vec3 weight(1.0f);
+    Absorption absorption;
+    for (float from = 0.0f;;) {
+        const Hit crossed = meetAlone(origin, direction, from, hit.distance);
+        if (!crossed.found() || crossed.triangle == hit.triangle) {
+            break;
+        }
+        if (const Crossing crossing = crossingOf(scene_, crossed, direction);
+            crossing.chance < 1.0f) {
+            weight *= crossing.weightOfPassing();
+        }
+        absorption.cross(materialOf(scene_, crossed), crossed.back, crossed.distance);
+        from = std::nextafter(crossed.distance, kInfinity);
+    }
+    if (hit.found() && hit.back) {
+        absorption.cross(materialOf(scene_, hit), true, hit.distance);
+    }
+    weight *= absorption.passing(hit.distance);
+    return hit.found() ? weight * crossingOf(scene_, hit, direction).weightOfMeeting() : weight;
+}
+
 // One by one: Embree may ask a filter of one occluder twice.
-float Tracer::passingVeils(const Way& way) const {
-    float share = 1.0f;
+vec3 Tracer::passingVeils(const Way& way) const {
+    vec3 share(1.0f);
+    Absorption absorption;
     for (float from = 0.0f;;) {
         const Hit hit = meetAlone(way.start, way.direction, from, way.length);
         if (!hit.found()) {
-            return share;
+            return share * absorption.passing(way.length);
         }
-        share *= 1.0f - coverageAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
+        share *= crossingOf(scene_, hit, way.direction).passes;
+        absorption.cross(materialOf(scene_, hit), hit.back, hit.distance);
         from = std::nextafter(hit.distance, kInfinity);
     }
 }
@@ -246,7 +302,7 @@ Tracer::Shares Tracer::passing(std::span<const Way> ways) const {
         if (ways[i].length > 0.0f) {
             const auto k = static_cast<int>(i);
             asked.lanes[k] = -1;
-            passing[i] = 1.0f;
+            passing[i] = vec3(1.0f);
             any = true;
             setRay(rays, k, ways[i].start, ways[i].direction, ways[i].length);
         }
@@ -257,8 +313,8 @@ Tracer::Shares Tracer::passing(std::span<const Way> ways) const {
     rtcOccluded8(asked.lanes, embree_.get(), &query.context, &rays);
     for (size_t k = 0; k < ways.size(); ++k) {
         // Embree sets tfar to -infinity where it found something.
-        passing[k] = asked.lanes[k] != 0 && rays.tfar[k] < 0.0f ? 0.0f : passing[k];
-        if (passing[k] > 0.0f && (query.veiled >> k & 1u) != 0) {
+        passing[k] = asked.lanes[k] != 0 && rays.tfar[k] < 0.0f ? vec3(0.0f) : passing[k];
+        if (passing[k] != vec3(0.0f) && (query.veiled >> k & 1u) != 0) {
             passing[k] = passingVeils(ways[k]);
         }
     }

@@ -53,6 +53,9 @@ struct Hit {
     float u = 0, v = 0;
     float distance = kInfinity;
     bool back = false;  ///< met from the triangle's back
+    /// What light that comes from there counts: less, or more in one channel than in another, where
+    /// the ray passed glass. Of what is not met, too: the sky shines through glass.
+    vec3 weight{1.0f};
 
     bool found() const { return triangle != kNothing; }
 };
@@ -72,11 +75,11 @@ struct Sight {
     static constexpr int kMostVeils = 8;
     struct Part {
         Hit hit;
-        float share = 0;  ///< of the light that reaches the eye
+        vec3 share{0.0f};  ///< of the light that leaves it, what reaches the eye
     };
     std::array<Part, kMostVeils> veils;
     int veil_count = 0;
-    Part ground{.hit = {}, .share = 1.0f};
+    Part ground{.hit = {}, .share = vec3(1.0f)};
 
     /// The ground for 0, else the veil of that number; nothing where there are not so many.
     Part part(int veil) const {
@@ -97,18 +100,19 @@ class Tracer {
     /// Rays that meet the scene together.
     static constexpr int kPacket = 8;
 
-    /// What each ray meets, kPacket rays at a time; what lets a part of the light pass it meets as
-    /// often as it stops light, by a hash of the point. As many `hits` as rays. `planes`, where
-    /// given, get those of the triangles met: along a unit direction d from the origin, a plane
-    /// lies at distance 1 / dot(plane, d); zero where nothing is met.
+    /// What each ray meets, kPacket rays at a time; what lets a part of the light pass it meets by
+    /// Crossing::chance, by a hash of the point, and counts by the weights of that. As many `hits`
+    /// as rays. `planes`, where given, get those of the triangles met: along a unit direction d
+    /// from the origin, a plane lies at distance 1 / dot(plane, d); zero where nothing is met.
     void meet(const Rays& rays, Hit* hits, vec3* planes = nullptr) const;
 
     /// What a camera's ray sees: it passes the backs of single-sided materials. Cast alone: which
     /// of two triangles owns a ray through their common edge differs by how many are cast together.
     Sight seeAlone(const vec3& origin, const vec3& direction) const;
 
-    /// What share of light passes on each of at most kPacket ways; 0 where not asked.
-    using Shares = std::array<float, kPacket>;
+    /// What share of light passes on each of at most kPacket ways, channel by channel; 0 where not
+    /// asked.
+    using Shares = std::array<vec3, kPacket>;
     Shares passing(std::span<const Way> ways) const;
 
   private:
@@ -120,7 +124,8 @@ class Tracer {
     };
     void build();
     Hit meetAlone(const vec3& origin, const vec3& direction, float from, float to) const;
-    float passingVeils(const Way& way) const;
+    vec3 passingVeils(const Way& way) const;
+    vec3 weightOf(const vec3& origin, const vec3& direction, const Hit& hit) const;
 
     const Scene& scene_;
     std::unique_ptr<RTCDeviceTy, ReleaseDevice> device_;

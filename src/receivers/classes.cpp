@@ -70,7 +70,7 @@ int materialOrder(const MaterialParams& material, int sh_order) {
     float as_diffuse = 0.0f;
     for (float NoV : kViews) {
         const vec2 albedo = brdfAlbedo(NoV, material.roughness);
-        const Brdf brdf = shared::makeBrdf(material, albedo);
+        const Brdf brdf = shared::makeBrdf(material, NoV, albedo);
         const float share = specularShare(brdf.diffuse, brdf.f0, brdf.f90, albedo);
         const LobePrediction& p = predictions().at(NoV, material.roughness);
         for (int n = 1; n <= shared::SH_MAX_ORDER; ++n) {

@@ -12,6 +12,7 @@ GBuffer coatsAlone(const GBuffer& gbuffer) {
     coats.position = gbuffer.position;
     coats.depth = gbuffer.depth;
     coats.normal = gbuffer.normal;
+    coats.mapped_normal = gbuffer.coat_normal;
     coats.roughness = gbuffer.coat_roughness;
     coats.f90 = gbuffer.coat;
     coats.primitive = gbuffer.primitive;
@@ -45,6 +46,7 @@ Image<vec3> directWithCoats(const Tracer& tracer, const SceneLights& lights, con
 
 Receivers coatsOf(const Scene& scene, const GBuffer& gbuffer) {
     Receivers receivers = fieldsOf(coatsAlone(gbuffer));
+    receivers.are_coats = true;
     const size_t count = receivers.positions.size();
     receivers.orders.assign(count, kNoOrder);
     receivers.by_rays.assign(count, 0);

@@ -34,7 +34,7 @@ struct Place {
     vec3 position, normal;
     float footprint = 0;  // 0: nothing is seen
     int material = kNoMaterial;
-    float share = 1.0f;  // of the light on the way to the eye
+    vec3 share{1.0f};  // of the light on the way to the eye
 };
 
 Place placeOf(const Receivers& receivers, size_t i) {
@@ -63,6 +63,11 @@ bool contrasts(float a, float b) { return std::abs(a - b) > kContrast * std::max
 
 bool contrasts(const vec3& a, const vec3& b) { return contrasts(luminance(a), luminance(b)); }
 
+// Of light on its way, in some channel.
+bool sharesContrast(const vec3& a, const vec3& b) {
+    return contrasts(a.x, b.x) || contrasts(a.y, b.y) || contrasts(a.z, b.z);
+}
+
 // Whether the light at one place serves the other, as records' weights judge surfaces.
 bool isOneSurface(const Place& a, const Place& b, const vec3& eye) {
     const vec3 normals = a.normal + b.normal;
@@ -73,7 +78,7 @@ bool isOneSurface(const Place& a, const Place& b, const vec3& eye) {
 
 // Likewise, or nothing is seen at both.
 bool seesTheSame(const Place& a, const Place& b, const vec3& eye) {
-    return a.material == b.material && !contrasts(a.share, b.share) &&
+    return a.material == b.material && !sharesContrast(a.share, b.share) &&
            (a.material == kNoMaterial || isOneSurface(a, b, eye));
 }
 
@@ -124,7 +129,7 @@ class EdgeFinder {
     }
     Place middleOf(size_t pixel) const {
         Place place = placeOf(pixels_, pixel);
-        place.share = veil_.share.empty() ? 1.0f : veil_.share.pixels[pixel];
+        place.share = veil_.share.empty() ? vec3(1.0f) : veil_.share.pixels[pixel];
         return place;
     }
 
@@ -275,14 +280,14 @@ EdgeFinder::Look EdgeFinder::lookAt(size_t pixel, const GBuffer& seen, size_t fi
     Look look;
     look.mean.pixel = pixel;
     for (size_t i = first_sample; i < first_sample + samples_.size(); ++i) {
-        const float part = all * seen.shareAt(i);
+        const vec3 part = all * seen.shareAt(i);
         look.mean.direct += part * seen.direct.pixels[i];
         if (!seen.emission.empty()) {
             look.mean.emission += part * seen.emission.pixels[i];
         }
         const Place place = placeOf(scene, seen, i);
         noteNext(pixel, samples_[i - first_sample], place, look.next);
-        look.mean.coverage += seen.seen(i) ? all : all - part;
+        look.mean.coverage += seen.seen(i) ? all : all - passingShare(part);
         if (!seen.seen(i)) {
             continue;
         }

@@ -61,7 +61,7 @@ std::vector<vec2> pixelSamples(int count);
 /// its share of each pixel's light (empty: all of it).
 struct Veil {
     int number = 0;
-    const Image<float>& share;
+    const Image<vec3>& share;
 };
 
 /// Looks through `count` samples at each pixel whose corners see another surface or reflectance

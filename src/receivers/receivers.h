@@ -58,6 +58,7 @@ struct Receivers {
     bool irradiance_only = false;  ///< specular light is not wanted
     std::vector<int> material_orders;  ///< per material of the scene
     ReceiverCounts counts;
+    bool are_coats = false;  ///< of the surfaces there, which have normals of their own (coats.h)
 
     /// What they are the pixels of: from there they are seen, and there they are looked for
     /// (served.h). Of a lightmap its size alone.

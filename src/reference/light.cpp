@@ -59,7 +59,7 @@ Scattered scatterPunctual(const RayScene& rays, const Surface& s, Counters& coun
             continue;
         }
         ++counters.rays;
-        const float share = arriving.way.distance == 0.0f ? 1.0f : rays.passing(arriving.way);
+        const vec3 share = arriving.way.distance == 0.0f ? vec3(1.0f) : rays.passing(arriving.way);
         sum.add({.all = share * arriving.light.all, .diffuse = share * arriving.light.diffuse});
     }
     return sum;
@@ -90,10 +90,10 @@ void directRadiance(const RayScene& rays, std::span<const Surface> surfaces, vec
         if (!any) {
             continue;
         }
-        std::array<float, kPacket> shares;
+        std::array<vec3, kPacket> shares;
         rays.passing({ways.data(), surfaces.size()}, shares.data());
         for (size_t k = 0; k < surfaces.size(); ++k) {
-            radiance[k] += shares[k] > 0.0f ? shares[k] * unshadowed[k] : vec3(0.0f);
+            radiance[k] += shares[k] != vec3(0.0f) ? shares[k] * unshadowed[k] : vec3(0.0f);
         }
     }
 }
@@ -117,7 +117,7 @@ Scattered scatterChosen(const RayScene& rays, const Surface& s, const BrdfSample
         return {};
     }
     ++counters.rays;
-    const float share = rays.passing(choice.way);
+    const vec3 share = rays.passing(choice.way);
     return {.all = share * scattered.all, .diffuse = share * scattered.diffuse};
 }
 
@@ -142,7 +142,7 @@ vec3 lampsByBrdf(const RayScene& rays, const Lights& lights, const Surface& s,
         return vec3(0.0f);
     }
     const Surface q = rays.surfaceAt(hit, -sample.wi);
-    return sample.weight * lampMet(lights, q, hit.triangle, s.rayOrigin(), sample.pdf);
+    return sample.weight * hit.weight * lampMet(lights, q, hit.triangle, s.rayOrigin(), sample.pdf);
 }
 
 vec3 sampleLamps(const RayScene& rays, const Lights& lights, const Surface& s,
@@ -159,9 +159,10 @@ vec3 sampleSky(const RayScene& rays, const Lights& lights, const Surface& s,
     vec3 radiance = scatterChosen(rays, s, sampler, choice, counters).all;
     const DirectionSample by_brdf =
         sampleBrdf(sampler, s.brdf, s.n, s.wo, owenSobol(index, hashCombine(seed, kBrdfSeed)));
-    if (!black(by_brdf.weight) && opensToward(s, by_brdf.wi) &&
-        !nextHit(rays, s, by_brdf.wi, counters).found()) {
-        radiance += by_brdf.weight * skyMet(lights, by_brdf.wi, by_brdf.pdf);
+    if (!black(by_brdf.weight) && opensToward(s, by_brdf.wi)) {
+        if (const RayHit hit = nextHit(rays, s, by_brdf.wi, counters); !hit.found()) {
+            radiance += by_brdf.weight * hit.weight * skyMet(lights, by_brdf.wi, by_brdf.pdf);
+        }
     }
     return radiance;
 }
@@ -194,7 +195,7 @@ std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ive
     const RayScene::PixelOf pixel{.camera = camera, .height = size.y};
     std::vector<Sighting> parts;
     for (const Seen& seen : rays.see(ray.origin, ray.direction)) {
-        Sighting part{.share = seen.share};
+        Sighting part{.share = seen.share, .chance = seen.chance};
         if (seen.hit.found()) {
             part.surface = rays.surfaceAt(seen.hit, -ray.direction,
                                           textures == Textures::kOfPixel ? &pixel : nullptr);
@@ -238,7 +239,7 @@ std::optional<Surface> seePixel(const RayScene& rays, const Camera& camera, int 
                                 Frame& frame, Counters& counters) {
     const ivec2 size(frame.width(), frame.height());
     Sighting nearest = look(rays, camera, size, vec2(x, y), Textures::kOfPixel, counters).front();
-    nearest.share = 1.0f;
+    nearest.share = vec3(1.0f);
     addLight(rays, nearest, x, y, frame, counters);
     if (nearest.surface) {
         setGBuffer(camera, nearest, x, y, frame);

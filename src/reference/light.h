@@ -76,7 +76,8 @@ Frame emptyFrame(int width, int height);
 
 /// A part of what a camera's ray sees.
 struct Sighting {
-    float share = 1.0f;  ///< of the light that reaches the eye
+    vec3 share{1.0f};     ///< of the light that leaves it, what reaches the eye
+    float chance = 1.0f;  ///< by which one of all parts is this one, chosen by chance
     std::optional<Surface> surface = {};
     uint32_t triangle = kNoPrimitive;
     vec3 emission{0.0f};  ///< nits: where there is no surface, of the sky if that is to show

@@ -66,6 +66,8 @@ Brought followPath(const PathContext& context, const Surface& start, const Direc
     };
     for (int bounce = 1; opensToward(from, wi); ++bounce) {
         const RayHit hit = nextHit(rays, from, wi, counters);
+        throughput *= hit.weight;
+        by_lobes *= hit.weight;
         if (!hit.found()) {
             add(skyMet(context.lights, wi, pdf), bounce);
             break;

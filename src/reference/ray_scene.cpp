@@ -51,6 +51,41 @@ RayHit hitOf(const RTCRayHit& ray) {
     return {.triangle = ray.hit.primID, .u = ray.hit.u, .v = ray.hit.v};
 }
 
+// Glass that a ray is in, as far as it has come, and what that has left of its light.
+class Inside {
+  public:
+    vec3 left{1.0f};
+
+    // To that distance; infinite: it travels in none.
+    void travelTo(float distance) {
+        if (distance < kInfinity) {
+            left *= absorbs_ == vec3(0.0f) ? vec3(1.0f) : glm::exp(-absorbs_ * (distance - at_));
+            at_ = distance;
+        }
+    }
+    // Where it has come to, through a surface's front; and through its back.
+    void enter(const vec3& absorption) { absorbs_ += absorption; }
+    void leave(const vec3& absorption) {
+        if (glm::all(glm::lessThanEqual(absorption, absorbs_))) {
+            absorbs_ -= absorption;
+        } else {  // it has been in there from its start on
+            left *= glm::exp(-absorption * at_);
+        }
+    }
+
+  private:
+    vec3 absorbs_{0.0f};
+    float at_ = 0.0f;
+};
+
+// In [0, 1), the same whenever the same point is hit.
+float chanceAt(const RayHit& hit) {
+    const uint32_t bits =
+        hashCombine(hashCombine(hash32(hit.triangle), std::bit_cast<uint32_t>(hit.u)),
+                    std::bit_cast<uint32_t>(hit.v));
+    return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
+
 // What is not there, a ray does not meet.
 void rejectMasked(const RTCFilterFunctionNArguments* a) {
     const auto* scene = static_cast<const Scene*>(a->geometryUserPtr);
@@ -142,24 +177,33 @@ RTCRayHit RayScene::closest(const vec3& origin, const vec3& direction, float fro
     return ray;
 }
 
-float RayScene::coverage(const RayHit& hit) const {
-    return coverageAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
-}
-
-// By chance, the same whenever the same point is hit.
-bool RayScene::stops(const RayHit& hit) const {
-    const uint32_t bits =
-        hashCombine(hashCombine(hash32(hit.triangle), std::bit_cast<uint32_t>(hit.u)),
-                    std::bit_cast<uint32_t>(hit.v));
-    return static_cast<float>(bits >> 8) * 0x1p-24f < coverage(hit);
+Crossing RayScene::crossing(const RayHit& hit, const vec3& direction) const {
+    return crossingAt(scene_, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v), direction);
 }
 
 RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
+    vec3 weight(1.0f);
+    Inside inside;
     for (float from = 0.0f;;) {
         const RTCRayHit ray = closest(origin, direction, from, kInfinity);
-        const RayHit hit = hitOf(ray);
-        if (!blended_ || !hit.found() || stops(hit)) {
+        RayHit hit = hitOf(ray);
+        inside.travelTo(ray.ray.tfar);
+        const bool behind = hit.found() && fromBehind(hit, direction);
+        if (behind) {
+            inside.leave(absorptionOf(hit));
+        }
+        hit.weight = weight * inside.left;
+        if (!blended_ || !hit.found()) {
             return hit;
+        }
+        const Crossing at = crossing(hit, direction);
+        if (chanceAt(hit) < at.chance) {
+            hit.weight *= at.weightOfMeeting();
+            return hit;
+        }
+        weight *= at.weightOfPassing();
+        if (!behind) {
+            inside.enter(absorptionOf(hit));
         }
         from = std::nextafter(ray.ray.tfar, kInfinity);
     }
@@ -167,47 +211,69 @@ RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
 
 std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction) const {
     std::vector<Seen> seen;
-    float share = 1.0f;
+    vec3 share(1.0f);
+    float chance = 1.0f;
+    Inside inside;
     for (float from = 0.0f;;) {
         const RTCRayHit ray = closest(origin, direction, from, kInfinity);
         const RayHit hit = hitOf(ray);
+        inside.travelTo(ray.ray.tfar);
         if (!hit.found()) {
-            seen.push_back({.hit = hit, .share = share});
+            seen.push_back({.hit = hit, .share = share * inside.left, .chance = chance});
             return seen;
         }
+        const bool behind = fromBehind(hit, direction);
+        if (behind) {
+            inside.leave(absorptionOf(hit));
+        }
+        const vec3 left = inside.left;
+        if (!behind) {
+            inside.enter(absorptionOf(hit));
+        }
         from = std::nextafter(ray.ray.tfar, kInfinity);
-        if (glm::dot(n_g_[hit.triangle], direction) >= 0.0f &&
-            scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
+        if (behind && scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
             continue;
         }
-        const float stopped = blended_ ? coverage(hit) : 1.0f;
-        seen.push_back({.hit = hit, .share = share * stopped});
-        share *= 1.0f - stopped;
-        if (share == 0.0f) {
+        const Crossing at = blended_
+                                ? crossing(hit, direction)
+                                : Crossing{.meets = 1.0f, .chance = 1.0f, .passes = vec3(0.0f)};
+        seen.push_back(
+            {.hit = hit, .share = share * left * at.meets, .chance = chance * at.chance});
+        share *= at.passes;
+        chance *= 1.0f - at.chance;
+        if (share == vec3(0.0f)) {
             return seen;
         }
     }
 }
 
-float RayScene::passing(const ShadowRay& shadow) const {
+vec3 RayScene::passing(const ShadowRay& shadow) const {
     if (!blended_) {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         RTCRay ray = makeRay(shadow.origin, shadow.direction, shadow.distance);
         rtcOccluded1(embree_.get(), &context, &ray);
-        return ray.tfar < 0.0f ? 0.0f : 1.0f;  // Embree's sign for "something was hit"
+        return vec3(ray.tfar < 0.0f ? 0.0f : 1.0f);  // Embree's sign for "something was hit"
     }
-    float share = 1.0f;
-    for (float from = 0.0f; share > 0.0f;) {
+    vec3 share(1.0f);
+    Inside inside;
+    for (float from = 0.0f; share != vec3(0.0f);) {
         const RTCRayHit ray = closest(shadow.origin, shadow.direction, from, shadow.distance);
         const RayHit hit = hitOf(ray);
         if (!hit.found()) {
             break;
         }
-        share *= 1.0f - coverage(hit);
+        inside.travelTo(ray.ray.tfar);
+        if (fromBehind(hit, shadow.direction)) {
+            inside.leave(absorptionOf(hit));
+        } else {
+            inside.enter(absorptionOf(hit));
+        }
+        share *= crossing(hit, shadow.direction).passes;
         from = std::nextafter(ray.ray.tfar, kInfinity);
     }
-    return share;
+    inside.travelTo(shadow.distance);
+    return share * inside.left;
 }
 
 void RayScene::intersect(const vec3& origin, std::span<const vec3> directions, RayHit* hits) const {
@@ -237,10 +303,10 @@ void RayScene::intersect(const vec3& origin, std::span<const vec3> directions, R
     }
 }
 
-void RayScene::passing(std::span<const ShadowRay> rays, float* shares) const {
+void RayScene::passing(std::span<const ShadowRay> rays, vec3* shares) const {
     if (blended_) {
         std::transform(rays.begin(), rays.end(), shares, [&](const ShadowRay& ray) {
-            return ray.distance > 0.0f ? passing(ray) : 1.0f;
+            return ray.distance > 0.0f ? passing(ray) : vec3(1.0f);
         });
         return;
     }
@@ -255,7 +321,7 @@ void RayScene::passing(std::span<const ShadowRay> rays, float* shares) const {
     }
     rtcOccluded8(cast, embree_.get(), &context, &packet);
     for (size_t k = 0; k < rays.size(); ++k) {
-        shares[k] = cast[k] != 0 && packet.tfar[k] < 0.0f ? 0.0f : 1.0f;
+        shares[k] = vec3(cast[k] != 0 && packet.tfar[k] < 0.0f ? 0.0f : 1.0f);
     }
 }
 
@@ -285,15 +351,15 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pi
     const MaterialParams material = materialAt(scene_, hit.triangle, at, footprint);
     // Only a Lambertian surface has no specular lobe, whatever the table says of one.
     const bool lambertian = material.specular == 0.0f && material.metallic == 0.0f;
-    const vec2 albedo_ab =
-        lambertian ? vec2(0.0f) : brdfAlbedo(glm::dot(s.n, wo), material.roughness);
-    s.brdf = shared::makeBrdf(material, albedo_ab);
+    const float NoV = glm::dot(s.n, wo);
+    const vec2 albedo_ab = lambertian ? vec2(0.0f) : brdfAlbedo(NoV, material.roughness);
+    s.brdf = shared::makeBrdf(material, NoV, albedo_ab);
     if (const Layers layers = layersAt(scene_, hit.triangle, at, footprint); !layers.none()) {
-        const float NoV_coat = glm::dot(normals.smooth, wo);
-        s.brdf = underLayers(s.brdf, layers, glm::dot(s.n, wo), NoV_coat);
+        const float NoV_coat = glm::dot(normals.coat, wo);
+        s.brdf = underLayers(s.brdf, layers, NoV, NoV_coat);
         if (layers.coat > 0.0f) {
             s.coat = {.brdf = coatBrdf(layers),
-                      .n = normals.smooth,
+                      .n = normals.coat,
                       .albedo = coatAlbedo(layers, NoV_coat)};
         }
     }

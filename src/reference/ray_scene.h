@@ -20,6 +20,8 @@ struct RayHit {
     uint32_t triangle = kNoPrimitive;
     float u = 0.0f;
     float v = 0.0f;
+    /// What light that comes from there counts, be it the sky's: the ray met things by chance.
+    vec3 weight{1.0f};
 
     bool found() const { return triangle != kNoPrimitive; }
 };
@@ -46,7 +48,8 @@ struct Surface {
 /// A part of what a camera's ray sees.
 struct Seen {
     RayHit hit;
-    float share = 1.0f;  ///< of the light that reaches the eye
+    vec3 share{1.0f};     ///< of the light that leaves it, what reaches the eye
+    float chance = 1.0f;  ///< that a ray which meets one of the parts by chance meets this one
 };
 
 /// The way from a surface to a light: t in [0, distance), direction unit.
@@ -62,14 +65,14 @@ class RayScene {
     /// Environment error where Embree cannot start or runs out of memory.
     explicit RayScene(const Scene& scene);
 
-    /// The closest hit of origin + t * direction, t >= 0. Blended surfaces are hit as often as they
-    /// stop light.
+    /// The closest hit of origin + t * direction, t >= 0. Blended surfaces and
+    /// glass are hit by Crossing::chance.
     RayHit intersect(const vec3& origin, const vec3& direction) const;
     /// What a camera's ray sees, from the eye on: it does not see the backs of single-sided
     /// materials, and through blended surfaces. The last may be a miss.
     std::vector<Seen> see(const vec3& origin, const vec3& direction) const;
     /// What share of the light passes on the way.
-    float passing(const ShadowRay& ray) const;
+    vec3 passing(const ShadowRay& ray) const;
 
     /// At most this many rays that start near each other and point in similar directions are
     /// cheaper together.
@@ -78,7 +81,7 @@ class RayScene {
     void intersect(const vec3& origin, std::span<const vec3> directions, RayHit* hits) const;
     /// As above, for each of `rays`; those of distance 0 are not cast, and all passes. As many
     /// `shares`.
-    void passing(std::span<const ShadowRay> rays, float* shares) const;
+    void passing(std::span<const ShadowRay> rays, vec3* shares) const;
     /// What an image's middle of a pixel stands for: all of the pixel.
     struct PixelOf {
         const Camera& camera;
@@ -99,8 +102,13 @@ class RayScene {
     };
     void build();
     RTCRayHit closest(const vec3& origin, const vec3& direction, float from, float to) const;
-    float coverage(const RayHit& hit) const;
-    bool stops(const RayHit& hit) const;
+    Crossing crossing(const RayHit& hit, const vec3& direction) const;
+    const vec3& absorptionOf(const RayHit& hit) const {
+        return scene_.materials[scene_.materials_of[hit.triangle]].absorption;
+    }
+    bool fromBehind(const RayHit& hit, const vec3& direction) const {
+        return glm::dot(n_g_[hit.triangle], direction) >= 0.0f;
+    }
 
     const Scene& scene_;
     bool blended_ = false;   ///< some material is

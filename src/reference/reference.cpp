@@ -38,6 +38,7 @@ constexpr uint32_t kPartSeed = 0x70617274u;
 // What a path of a pixel starts from.
 struct PathStart {
     std::optional<Start> start;  // none where no surface is seen
+    vec3 weight{1.0f};           // what its light counts
     // Of all that is seen there.
     vec3 emission{0.0f};
     float coverage = 0.0f;
@@ -58,7 +59,7 @@ class Pixel {
 
     // On a surface that the middle sees, other paths than before: what they bring counts by its
     // share.
-    void startFrom(const Surface& surface, float share) {
+    void startFrom(const Surface& surface, const vec3& share) {
         if (on_.start) {
             seed_ = hash32(seed_);
         }
@@ -69,7 +70,7 @@ class Pixel {
     int x() const { return x_; }
     int y() const { return y_; }
     uint32_t seed() const { return seed_; }
-    float share() const { return share_; }
+    const vec3& share() const { return share_; }
     PathStart start(uint32_t index, uint32_t seed, Counters& counters) const {
         const ReferenceParams& params = context_.params;
         if (!params.pixel_area) {
@@ -78,18 +79,19 @@ class Pixel {
         const vec2 place = owenSobol(index, hashCombine(seed, kPlaceSeed)) - 0.5f;
         float u = owenSobol(index, hashCombine(seed, kPartSeed)).x;
         PathStart from{.start = {}, .coverage = 1.0f};
-        // One of the surfaces, by its share of the light.
+        // One of the surfaces, by chance.
         for (const Sighting& part : look(context_.rays, context_.whole_camera, context_.whole_size,
                                          vec2(in_whole_) + place, Textures::kOfPlace, counters)) {
             from.emission += part.share * part.emission;
             if (!part.surface) {
-                from.coverage = 1.0f - part.share;
+                from.coverage = 1.0f - passingShare(part.share);
                 break;
             }
-            if (u >= 0.0f && u < part.share) {
+            if (u >= 0.0f && u < part.chance) {
                 from.start.emplace(*part.surface);
+                from.weight = part.share / part.chance;
             }
-            u -= part.share;
+            u -= part.chance;
         }
         return from;
     }
@@ -99,7 +101,7 @@ class Pixel {
     int x_, y_;
     ivec2 in_whole_;  // of the image that the frame may be a part of
     uint32_t seed_;
-    float share_ = 1.0f;
+    vec3 share_{1.0f};
     PathStart on_;
 };
 
@@ -132,7 +134,7 @@ void estimateIndirect(const PathContext& context, const Pixel& pixel, Frame& fra
             return vec3(0.0f);
         }
         const PathSample path = samplePath(context, *from.start, {}, i, guide_seed, counters);
-        return path.indirect.all + path.caustic;
+        return from.weight * (path.indirect.all + path.caustic);
     });
     Replicates all, diffuse, caustic, global;
     for (int replicate = 0; replicate < params.replicates; ++replicate) {
@@ -150,9 +152,9 @@ void estimateIndirect(const PathContext& context, const Pixel& pixel, Frame& fra
                 ++counters.nonfinite;
                 continue;
             }
-            all_sum += dvec3(sample.indirect.all);
-            diffuse_sum += dvec3(sample.indirect.diffuse);
-            caustic_sum += dvec3(sample.caustic);
+            all_sum += dvec3(from.weight * sample.indirect.all);
+            diffuse_sum += dvec3(from.weight * sample.indirect.diffuse);
+            caustic_sum += dvec3(from.weight * sample.caustic);
         }
         const double samples = context.samples_per_replicate;
         all.add(all_sum / samples);
@@ -160,7 +162,7 @@ void estimateIndirect(const PathContext& context, const Pixel& pixel, Frame& fra
         caustic.add(caustic_sum / samples);
         global.add((all_sum + caustic_sum) / samples);
     }
-    const float share = pixel.share();
+    const vec3 share = pixel.share();
     frame.indirect.at(pixel.x(), pixel.y()) += share * vec3(all.mean);
     frame.indirect_variance.at(pixel.x(), pixel.y()) += share * share * all.varianceOfMean();
     frame.indirect_diffuse.at(pixel.x(), pixel.y()) += share * vec3(diffuse.mean);
@@ -230,7 +232,8 @@ void estimateDirect(const PathContext& context, const Pixel& pixel, Frame& frame
             if (!from.start) {
                 continue;
             }
-            const vec3 sample = sampleDirect(context, *from.start, guide, index, seed, counters);
+            const vec3 sample =
+                from.weight * sampleDirect(context, *from.start, guide, index, seed, counters);
             if (finite(sample)) {
                 sum += dvec3(sample);
             } else {
@@ -239,7 +242,7 @@ void estimateDirect(const PathContext& context, const Pixel& pixel, Frame& frame
         }
         direct.add(sum / static_cast<double>(context.samples_per_replicate));
     }
-    const float share = pixel.share();
+    const vec3 share = pixel.share();
     frame.direct.at(pixel.x(), pixel.y()) += share * vec3(direct.mean);
     frame.direct_variance.at(pixel.x(), pixel.y()) += share * share * direct.varianceOfMean();
     if (context.params.pixel_area) {
@@ -280,7 +283,7 @@ void renderPixel(const PathContext& context, int x, int y, ReferenceResult& resu
             pixel.startFrom(*part.surface, part.share);
             estimate();
         } else if (!result.frame.coverage.empty()) {
-            result.frame.coverage.at(x, y) = 1.0f - part.share;
+            result.frame.coverage.at(x, y) = 1.0f - passingShare(part.share);
         }
     }
 }
@@ -312,7 +315,7 @@ int guideSize(const ReferenceParams& params) {
 void renderSurface(const PathContext& context, const Surface& surface, int x, int y,
                    ReferenceResult& result, Counters& counters) {
     Pixel pixel(context, x, y);
-    pixel.startFrom(surface, 1.0f);
+    pixel.startFrom(surface, vec3(1.0f));
     result.frame.direct.at(x, y) = directRadiance(context.rays, surface, counters);
     if (!context.lights.lamps.empty()) {
         estimateDirect(context, pixel, result.frame, counters);

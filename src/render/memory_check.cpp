@@ -28,7 +28,7 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
     constexpr uint64_t kByRays = 320;   // what rays saw and how it is filtered
     constexpr uint64_t kOfEdges = 300;  // where half of the pixels have some, and strays
     constexpr uint64_t kOfLamps = 50;   // what their samples add up to
-    constexpr uint64_t kOfCoats = 130;  // receivers of their own
+    constexpr uint64_t kOfCoats = 160;  // receivers of their own
     constexpr uint64_t kOfMasks = 100;  // by material and object, all layers
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
     const uint64_t masks = params.all_layers ? kOfMasks : 0;

@@ -36,11 +36,11 @@ auto timed(double& stage, const Make& make) {
 
 // Each sample of a pixel with edges has had its share already: such pixels' become 1. Returns what
 // they were.
-Image<float> takeWhole(const Edges& edges, Image<float>& share) {
-    Image<float> before = share;
+Image<vec3> takeWhole(const Edges& edges, Image<vec3>& share) {
+    Image<vec3> before = share;
     for (const EdgePixel& edge : edges.pixels) {
         if (!share.empty()) {
-            share.pixels[edge.pixel] = 1.0f;
+            share.pixels[edge.pixel] = vec3(1.0f);
         }
     }
     return before;
@@ -74,7 +74,7 @@ Receivers pixelsOf(const SceneState& state, const RenderParams& params, GBuffer 
 // `before`: as takeWhole() has it.
 Image<vec3> lightOfCoats(const OutgoingLight& light, const std::optional<Receivers>& coats,
                          const SpecularParams& params, const std::optional<Edges>& edges,
-                         const Image<float>& before) {
+                         const Image<vec3>& before) {
     if (!coats || !coats->anyByRays()) {
         return {};
     }
@@ -191,7 +191,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         coats = coatsOf(state.scene, gbuffer);
     }
     receivers = pixelsOf(state, params, std::move(gbuffer), seconds);
-    Image<float> before;
+    Image<vec3> before;
     if (params.aa > 1) {
         const StageTimer timer(seconds.gbuffer);
         edges = findEdges(state.tracer, *state.lights, viewOf(state.scene, params), receivers,

@@ -64,8 +64,8 @@ struct ViewState {
     Image<SpecularSeen> stray_specular;  // likewise, of the edges' strays
     KeptRecords* const kept;  // of other views, for the first pass to begin with; null: none
     RecordField field;
-    Image<float> share;  // of each pixel's light; empty: all of it
-    int veils = 0;       // blended surfaces before what is seen, each a view of its own
+    Image<vec3> share;  // of each pixel's light; empty: all of it
+    int veils = 0;      // blended surfaces before what is seen, each a view of its own
 
     /// Of what the camera sees behind all blended surfaces; what is `kept`, unless null, must
     /// outlive it. Usage error where the camera does not exist.

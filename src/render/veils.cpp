@@ -12,7 +12,7 @@ namespace {
 constexpr Image<vec3> Frame::*kLights[] = {
     &Frame::direct, &Frame::indirect, &Frame::indirect_diffuse, &Frame::caustic, &Frame::emission};
 
-void dim(Frame& frame, const Image<float>& share) {
+void dim(Frame& frame, const Image<vec3>& share) {
     for (Image<vec3> Frame::*light : kLights) {
         for (size_t i = 0; i < (frame.*light).pixels.size(); ++i) {
             (frame.*light).pixels[i] *= share.pixels[i];
@@ -71,7 +71,7 @@ void VeiledFrame::count(const RenderResult& part) {
     high_.add(part.stats.estimate_high, light, pixels);
 }
 
-VeiledFrame::VeiledFrame(RenderResult& whole, const Image<float>& share) : whole_(whole) {
+VeiledFrame::VeiledFrame(RenderResult& whole, const Image<vec3>& share) : whole_(whole) {
     if (!share.empty()) {
         dim(whole.frame, share);
         count(whole);
@@ -81,13 +81,13 @@ VeiledFrame::VeiledFrame(RenderResult& whole, const Image<float>& share) : whole
         for (size_t i = 0; i < share.pixels.size(); ++i) {
             if (frame.primitive.pixels[i] == kNoPrimitive) {
                 frame.coverage.pixels[i] =
-                    std::max(frame.coverage.pixels[i], 1.0f - share.pixels[i]);
+                    std::max(frame.coverage.pixels[i], 1.0f - passingShare(share.pixels[i]));
             }
         }
     }
 }
 
-void VeiledFrame::add(RenderResult veil, const Image<float>& share) {
+void VeiledFrame::add(RenderResult veil, const Image<vec3>& share) {
     dim(veil.frame, share);
     count(veil);
     Frame& frame = whole_.frame;

@@ -11,9 +11,9 @@ class VeiledFrame {
   public:
     /// `whole` is dimmed to its `share` of each pixel's light (empty: all of it), and is what the
     /// others are added to; it must outlive this.
-    VeiledFrame(RenderResult& whole, const Image<float>& share);
+    VeiledFrame(RenderResult& whole, const Image<vec3>& share);
     /// Adds a blended surface in each pixel. Where nothing lies behind, it says what is seen there.
-    void add(RenderResult veil, const Image<float>& share);
+    void add(RenderResult veil, const Image<vec3>& share);
 
   private:
     // What is known of an error that is relative to a mean: both as sums over pixels.

@@ -76,7 +76,8 @@ std::vector<Keyed> sortByPlane(const Scene& scene) {
 }
 
 bool looksAlike(const Material& a, const Material& b) {
-    return a.textures == b.textures && a.normal_texture == b.normal_texture && a.unlit == b.unlit &&
+    return a.textures == b.textures && a.normal_texture == b.normal_texture &&
+           a.coat_normal_texture == b.coat_normal_texture && a.unlit == b.unlit &&
            a.masked() == b.masked() && a.blended == b.blended && a.alpha == b.alpha &&
            std::memcmp(&a.params, &b.params, sizeof(a.params)) == 0 &&
            std::memcmp(&a.layers, &b.layers, sizeof(a.layers)) == 0;

@@ -408,7 +408,7 @@ void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
         transform(primitive, pose.world_from_mesh, skinned);
         dropDegenerate(file, primitive);
         mendNormals(file, primitive);
-        const bool mapped = scene.materials[material].normal_texture.used();
+        const bool mapped = scene.materials[material].tangentTexture().used();
         if (!mapped || primitive.normals.empty()) {
             primitive.tangents.clear();  // flat normals are not those that tangents were made for
         }

@@ -13,7 +13,9 @@ const MaterialParams kStandard = {.base_color = vec3(1.0f),
                                   .specular_color = vec3(1.0f),
                                   .specular = 1.0f,
                                   .emission = vec3(0.0f),
-                                  .roughness = 1.0f};
+                                  .roughness = 1.0f,
+                                  .film = vec3(0.0f),
+                                  .transmission = 0.0f};
 
 float clampedFactor(File& file, double value, double upper, const std::string& where,
                     const char* what) {
@@ -179,31 +181,35 @@ void readCoverage(File& file, const tinygltf::Material& source, const std::strin
     }
 }
 
-// Glass as a veil: what it transmits passes straight, of coloured glass the mean of its channels,
-// and it covers as much as it does not. There it reflects and scatters so much more that in all it
-// does as much as the surface.
+// Light passes it as it does what is blended: straight.
 void readTransmission(File& file, const tinygltf::Value& extension, const std::string& where,
-                      Material& material) {
-    constexpr float kLeastCover = 1.0f / 128.0f;  // is seen
-    if (extension.Has("transmissionTexture")) {
-        file.notes.add(
-            fmt::format("{}: transmissionTexture is not supported: shown opaque", where));
-        return;
-    }
-    MaterialParams& params = material.params;
-    const float enters =
-        (1.0f - params.metallic) *
+                      TextureLoader& loader, Material& material) {
+    material.params.transmission =
         clampedFactor(file, numberMember(file, extension, "transmissionFactor", 0.0, where), 1.0,
                       where, "transmissionFactor");
-    const float reflected =
-        std::min(kUsualF0 * maxAbs(params.specular_color), 1.0f) * params.specular;
-    const float tint = (params.base_color.x + params.base_color.y + params.base_color.z) / 3.0f;
-    const float cover = std::max(1.0f - enters * (1.0f - reflected) * tint, kLeastCover);
-    params.base_color = glm::min(params.base_color * (1.0f - enters) / cover, vec3(1.0f));
-    params.specular_color /= cover;
-    params.emission /= cover;
-    material.alpha = (material.lightPasses() ? material.alpha : 1.0f) * cover;
-    material.blended = true;
+    material.textures[shared::TEXTURE_TRANSMISSION] =
+        loader.use(memberTexture(file, extension, "transmissionTexture", where), false, where);
+    if (material.transmits()) {
+        material.alpha = material.lightPasses() ? material.alpha : 1.0f;
+        material.blended = true;
+    }
+}
+
+// Bodies of glass absorb over the distance that light travels in them; a thickness of 0 is a sheet.
+// How thick it says that they are has no say: rays know.
+void readVolume(File& file, const tinygltf::Value& extension, const std::string& where,
+                Material& material) {
+    constexpr double kFarthest = std::numeric_limits<float>::max();
+    const auto factor = [&](const char* key, double fallback) {
+        return clampedFactor(file, numberMember(file, extension, key, fallback, where), kFarthest,
+                             where, key);
+    };
+    const vec3 color(colorMember(file, extension, "attenuationColor", 3, 1.0, vec4(1.0f), where));
+    const float distance = factor("attenuationDistance", 0.0);  // without, none absorbs
+    if (factor("thicknessFactor", 0.0) > 0.0f && distance > 0.0f && material.transmits()) {
+        constexpr float kDarkest = 1e-6f;  // a channel that nothing is left of
+        material.absorption = -glm::log(glm::max(color, vec3(kDarkest))) / distance;
+    }
 }
 
 void readClearcoat(File& file, const tinygltf::Value& extension, const std::string& where,
@@ -217,8 +223,11 @@ void readClearcoat(File& file, const tinygltf::Value& extension, const std::stri
         loader.use(memberTexture(file, extension, "clearcoatTexture", where), false, where);
     material.coat_roughness_texture = loader.use(
         memberTexture(file, extension, "clearcoatRoughnessTexture", where), false, where);
-    if (material.layers.coat > 0.0f && extension.Has("clearcoatNormalTexture")) {
-        file.notes.add("clearcoatNormalTexture is not supported: the coat is shown smooth");
+    if (extension.Has("clearcoatNormalTexture")) {
+        const tinygltf::Value& normal = extension.Get("clearcoatNormalTexture");
+        material.coat_normal_texture = loader.use(textureInfo(file, normal, where), false, where);
+        material.coat_normal_scale =
+            finiteFloat(file, numberMember(file, normal, "scale", 1.0, where), where, "scale");
     }
 }
 
@@ -233,6 +242,36 @@ void readSheen(File& file, const tinygltf::Value& extension, const std::string& 
         loader.use(memberTexture(file, extension, "sheenColorTexture", where), true, where);
     material.fibre_roughness_texture =
         loader.use(memberTexture(file, extension, "sheenRoughnessTexture", where), false, where);
+}
+
+// A film as thick as its upper bound, and by a texture thinner.
+void readIridescence(File& file, const tinygltf::Value& extension, const std::string& where,
+                     TextureLoader& loader, Material& material) {
+    constexpr double kMostNumber = std::numeric_limits<float>::max();
+    const auto factor = [&](const char* key, double fallback, double upper) {
+        return clampedFactor(file, numberMember(file, extension, key, fallback, where), upper,
+                             where, key);
+    };
+    vec3& film = material.params.film;
+    film.x = factor("iridescenceFactor", 0.0, 1.0);
+    film.y = factor("iridescenceIor", 1.3, kMostNumber);
+    const float thinnest = factor("iridescenceThicknessMinimum", 100.0, kMostNumber);
+    film.z = factor("iridescenceThicknessMaximum", 400.0, kMostNumber);
+    if (film.y < 1.0f) {
+        file.notes.add(
+            fmt::format("{}: iridescenceIor {} is below 1 and counts as 1", where, film.y));
+        film.y = 1.0f;
+    }
+    material.textures[shared::TEXTURE_FILM] =
+        loader.use(memberTexture(file, extension, "iridescenceTexture", where), false, where);
+    const TextureUse thickness = loader.use(
+        memberTexture(file, extension, "iridescenceThicknessTexture", where), false, where);
+    const float thickest = std::max(thinnest, film.z);
+    if (thickness.used() && thickest > 0.0f) {
+        material.textures[shared::TEXTURE_FILM_THICKNESS] =
+            loader.withGreenBetween(thickness, thinnest / thickest, film.z / thickest);
+        film.z = thickest;
+    }
 }
 
 // A round lobe as wide as the elliptical one is on average: widths are alpha and, along the
@@ -256,10 +295,13 @@ void makeUnlit(Material& material) {
                        .specular_color = vec3(1.0f),
                        .specular = 0.0f,
                        .emission = material.params.base_color,
-                       .roughness = 1.0f};
+                       .roughness = 1.0f,
+                       .film = vec3(0.0f),
+                       .transmission = 0.0f};
     const TextureUse color = material.textures[shared::TEXTURE_BASE_COLOR];
     material.textures = {};
     material.normal_texture = {};
+    material.coat_normal_texture = {};
     material.layers = {};
     material.textures[shared::TEXTURE_EMISSION] = color;
 }
@@ -282,13 +324,19 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     const bool unlit = source.extensions.count("KHR_materials_unlit") > 0;
     if (const auto* extension = extensionOf(source, "KHR_materials_transmission");
         extension != nullptr && !unlit) {
-        readTransmission(file, *extension, where, material);
+        readTransmission(file, *extension, where, loader, material);
+    }
+    if (const auto* extension = extensionOf(source, "KHR_materials_volume")) {
+        readVolume(file, *extension, where, material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_clearcoat")) {
         readClearcoat(file, *extension, where, loader, material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_sheen")) {
         readSheen(file, *extension, where, loader, material);
+    }
+    if (const auto* extension = extensionOf(source, "KHR_materials_iridescence")) {
+        readIridescence(file, *extension, where, loader, material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_anisotropy")) {
         readAnisotropy(file, *extension, where, material);
@@ -375,7 +423,8 @@ void dropIdleBlending(Scene& scene) {
             !material.alpha_texture.used() ||
             opaqueTexels(scene.images[static_cast<size_t>(
                 scene.textures[static_cast<size_t>(material.alpha_texture.texture)].image)]);
-        if (material.blended && material.alpha == 1.0f && opaque_vertices && opaque_texture) {
+        if (material.blended && !material.transmits() && material.alpha == 1.0f &&
+            opaque_vertices && opaque_texture) {
             material.blended = false;
             material.alpha_texture = {};
         }

@@ -208,9 +208,13 @@ class TextureLoader {
     TextureUse use(const TextureInfo& info, bool srgb, const std::string& owner);
     /// The roughness that is left by a texture's alpha times a glossiness, as a texture of its own.
     TextureUse roughnessOf(const TextureUse& gloss, float glossiness);
+    /// A texture whose green is mixed from `lower` to `upper`, of at most 1, likewise.
+    TextureUse withGreenBetween(const TextureUse& use, float lower, float upper);
 
   private:
     TextureUse usable(const TextureInfo& info, bool srgb, const std::string& owner);
+    template <class Green>
+    TextureUse remade(const TextureUse& use, const Green& green);
     int load(int index, bool srgb, const std::string& owner);
     File& file_;
     Scene& scene_;

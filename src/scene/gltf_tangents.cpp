@@ -66,7 +66,7 @@ void makeTangents(Scene& scene, size_t first_triangle) {
     std::map<uint32_t, uint32_t> mirrored;  // twins of vertices, for mirrored triangles
     for (size_t i = first_triangle; i < scene.triangles.size(); ++i) {
         uvec3& t = scene.triangles[i];
-        const TextureUse& use = scene.materials[scene.materials_of[i]].normal_texture;
+        const TextureUse& use = scene.materials[scene.materials_of[i]].tangentTexture();
         const UvAxes axes = axesOf(scene, t, use);
         for (int corner = 0; corner < 3; ++corner) {
             if (axes.mirrored) {

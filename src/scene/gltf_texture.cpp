@@ -255,16 +255,18 @@ TextureUse TextureLoader::use(const TextureInfo& info, bool srgb, const std::str
     }
 }
 
-TextureUse TextureLoader::roughnessOf(const TextureUse& gloss, float glossiness) {
-    Texture texture = scene_.textures[static_cast<size_t>(gloss.texture)];
+// Of an image in linear light whose green is green(texel), blue and alpha white.
+template <class Green>
+TextureUse TextureLoader::remade(const TextureUse& use, const Green& green) {
+    Texture texture = scene_.textures[static_cast<size_t>(use.texture)];
     const TextureImage& source = scene_.images[static_cast<size_t>(texture.image)];
     TextureImage image{.width = source.width, .height = source.height};
     image.bytes.reserve(4 * source.texelCount());
     for (int y = 0; y < source.height; ++y) {
         for (int x = 0; x < source.width; ++x) {
-            const float roughness = 1.0f - glossiness * texelOf(source, false, x, y).w;
-            const auto green = static_cast<uint8_t>(std::lround(255.0f * roughness));
-            image.bytes.insert(image.bytes.end(), {0, green, 255, 255});
+            const float value = green(texelOf(source, false, x, y));
+            const auto byte = static_cast<uint8_t>(std::lround(255.0f * value));
+            image.bytes.insert(image.bytes.end(), {0, byte, 255, 255});
         }
     }
     makeSmaller(image, false);
@@ -272,9 +274,17 @@ TextureUse TextureLoader::roughnessOf(const TextureUse& gloss, float glossiness)
     texture.image = static_cast<int>(scene_.images.size()) - 1;
     texture.srgb = false;
     scene_.textures.push_back(texture);
-    TextureUse use = gloss;
-    use.texture = static_cast<int>(scene_.textures.size()) - 1;
-    return use;
+    TextureUse result = use;
+    result.texture = static_cast<int>(scene_.textures.size()) - 1;
+    return result;
+}
+
+TextureUse TextureLoader::roughnessOf(const TextureUse& gloss, float glossiness) {
+    return remade(gloss, [&](const vec4& texel) { return 1.0f - glossiness * texel.w; });
+}
+
+TextureUse TextureLoader::withGreenBetween(const TextureUse& use, float lower, float upper) {
+    return remade(use, [&](const vec4& texel) { return glm::mix(lower, upper, texel.y); });
 }
 
 // Input error where any part of it is broken.

@@ -86,6 +86,13 @@ float fibreAlbedo(float NoV, float roughness) {
     return table.at(NoV, roughness);
 }
 
+float shareUnderLayers(const Layers& layers, float NoV, float NoV_coat) {
+    const vec3 none(0.0f);
+    return underLayers({.diffuse = none, .alpha = 1.0f, .f0 = vec3(1.0f), .f90 = 0.0f}, layers, NoV,
+                       NoV_coat)
+        .f0.x;
+}
+
 shared::Brdf underLayers(const shared::Brdf& surface, const Layers& layers, float NoV,
                          float NoV_coat) {
     if (layers.none()) {

@@ -27,9 +27,12 @@ float coatAlbedo(const Layers& layers, float NoV);
 /// V = 1 / (4 (NoL + NoV - NoL NoV)). [EK17, eq. 2]
 float fibreAlbedo(float NoV, float roughness);
 
+/// What share of the light toward the viewer its layers leave to the surface. `NoV_coat`: the coat
+/// has normals of its own.
+float shareUnderLayers(const Layers& layers, float NoV, float NoV_coat);
+
 /// The surface below: what its layers reflect toward the viewer it does not get. What fibres
-/// reflect leaves as diffuse light of the same albedo; the coat's is not in it. `NoV_coat`: the
-/// coat is smooth where the surface has a normal map.
+/// reflect leaves as diffuse light of the same albedo; the coat's is not in it.
 shared::Brdf underLayers(const shared::Brdf& surface, const Layers& layers, float NoV,
                          float NoV_coat);
 

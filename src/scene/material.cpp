@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "scene/brdf_albedo.h"
 #include "scene/scene.h"
 
 namespace sheen {
@@ -84,15 +86,21 @@ ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& bary
     };
     const vec3 n = shared::interpolatedNormal(interpolated(scene.normals), n_g);
     ShadingNormals normals;
-    normals.smooth = normals.mapped = shared::shadingNormal(n, n_g, wo);
+    normals.smooth = normals.mapped = normals.coat = shared::shadingNormal(n, n_g, wo);
     const Material& material = scene.materials[scene.materials_of[triangle]];
-    if (material.normal_texture.used() && !scene.tangents.empty()) {
-        normals.mapped =
-            shared::mappedNormal(n, interpolated(scene.tangents),
-                                 texelAt(scene, triangle, barycentric, material.normal_texture,
-                                         footprintOverArea2(scene, triangle, footprint)),
-                                 material.normal_scale, n_g, wo);
+    if (!material.tangentTexture().used() || scene.tangents.empty()) {
+        return normals;
     }
+    const auto map = [&](const TextureUse& texture, float scale, vec3& normal) {
+        if (texture.used()) {
+            normal = shared::mappedNormal(n, interpolated(scene.tangents),
+                                          texelAt(scene, triangle, barycentric, texture,
+                                                  footprintOverArea2(scene, triangle, footprint)),
+                                          scale, n_g, wo);
+        }
+    };
+    map(material.normal_texture, material.normal_scale, normals.mapped);
+    map(material.coat_normal_texture, material.coat_normal_scale, normals.coat);
     return normals;
 }
 
@@ -198,6 +206,28 @@ float coverageAt(const Scene& scene, uint32_t triangle, const vec3& barycentric)
         return alpha < material.alpha_cutoff ? 0.0f : 1.0f;
     }
     return alpha < kUnseen ? 0.0f : alpha > 1.0f - kUnseen ? 1.0f : alpha;
+}
+
+Crossing crossingAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                    const vec3& along) {
+    constexpr float kLeastChance = 1.0f / 128.0f;  // clear glass may emit, or have a coat
+    const float alpha = coverageAt(scene, triangle, barycentric);
+    if (alpha == 0.0f || !scene.materials[scene.materials_of[triangle]].transmits()) {
+        return {.meets = alpha, .chance = alpha, .passes = vec3(1.0f - alpha)};
+    }
+    const vec3 n_g = shared::faceViewer(geometricNormal(scene, static_cast<int>(triangle)), -along);
+    const ShadingNormals normals = normalsAt(scene, triangle, barycentric, n_g, -along);
+    const float NoV = glm::dot(normals.mapped, -along);
+    // What it would scatter if it transmitted nothing.
+    MaterialParams opaque = materialAt(scene, triangle, barycentric);
+    const float transmission = std::exchange(opaque.transmission, 0.0f);
+    const Brdf brdf = shared::makeBrdf(opaque, NoV, brdfAlbedo(NoV, opaque.roughness));
+    const float under = shareUnderLayers(layersAt(scene, triangle, barycentric), NoV,
+                                         glm::dot(normals.coat, -along));
+    const vec3 passes = (1.0f - alpha) + alpha * transmission * under * brdf.diffuse;
+    return {.meets = alpha,
+            .chance = std::clamp(1.0f - maxAbs(passes), kLeastChance, 1.0f),
+            .passes = passes};
 }
 
 vec3 meanEmission(const Scene& scene, uint32_t triangle) {

@@ -49,6 +49,8 @@ struct Material {
     Layers layers = {};                      ///< factors, which these textures multiply
     TextureUse coat_texture = {};            ///< red
     TextureUse coat_roughness_texture = {};  ///< green
+    TextureUse coat_normal_texture = {};
+    float coat_normal_scale = 1.0f;
     TextureUse fibre_color_texture = {};
     TextureUse fibre_roughness_texture = {};  ///< alpha
     /// Shows its colour whatever the light: that is its emission, and it scatters nothing.
@@ -62,6 +64,8 @@ struct Material {
     /// What has less alpha than 1 lets the rest of the light pass.
     bool blended = false;
     TextureUse alpha_texture = {};
+    /// Of a body of glass: by which light that travels in it falls, exp(-absorption * distance).
+    vec3 absorption{0.0f};
 
     bool textured() const {
         for (const TextureUse& use : textures) {
@@ -70,12 +74,22 @@ struct Material {
             }
         }
         return normal_texture.used() || coat_texture.used() || coat_roughness_texture.used() ||
-               fibre_color_texture.used() || fibre_roughness_texture.used();
+               coat_normal_texture.used() || fibre_color_texture.used() ||
+               fibre_roughness_texture.used();
+    }
+    /// By whose coordinates tangents are: of the surface's normal map, else of its coat's.
+    const TextureUse& tangentTexture() const {
+        return normal_texture.used() ? normal_texture : coat_normal_texture;
     }
     /// Whether some point of it may be missing.
     bool masked() const { return alpha_cutoff > 0.0f; }
     /// Whether light may pass some point of it.
     bool lightPasses() const { return masked() || blended; }
+    /// Whether it is glass, at some point.
+    bool transmits() const {
+        return params.transmission > 0.0f &&
+               (params.metallic < 1.0f || textures[shared::TEXTURE_METALLIC_ROUGHNESS].used());
+    }
     /// Whether some point of it does.
     bool emits() const { return params.emission != vec3(0.0f); }
 };

@@ -43,8 +43,8 @@ struct Scene {
     // Empty where no mesh has them.
     std::vector<vec2> second_uvs;  ///< likewise
     std::vector<vec4> colors;      ///< linear light and alpha, of 1; white where the mesh has none
-    /// Of normal maps: unit, along growing u, and in w the sign of the bitangent; zero where a mesh
-    /// has no such map.
+    /// Of normal maps (Material::tangentTexture()): unit, along growing u, and in w the sign of the
+    /// bitangent; zero where a mesh has no such map.
     std::vector<vec4> tangents;
     // Triangles: [triangle]; never degenerate, all coordinates finite. Counter-clockwise seen from
     // the front; the vertex normals may lie on either side.
@@ -149,10 +149,10 @@ Layers layersAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                 float footprint = 0.0f);
 
 /// The shading normal at a point, unit, as shared::shadingNormal() has it: `n_g` and `wo` lie on
-/// one side. The smooth one, interpolated from the vertices, and the one that normal maps make of
-/// it, averaged like materialAt()'s; the same where there is none.
+/// one side. The smooth one, interpolated from the vertices, and those that normal maps make of
+/// it, averaged like materialAt()'s: of the surface, and of its coat; the same where there is none.
 struct ShadingNormals {
-    vec3 smooth, mapped;
+    vec3 smooth, mapped, coat;
 };
 ShadingNormals normalsAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                          const vec3& n_g, const vec3& wo, float footprint = 0.0f);
@@ -167,9 +167,25 @@ bool maybeSpecular(const Scene& scene, const Material& material);
 vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                 float footprint = 0.0f);
 
-/// What share of the light the surface stops, scatters or adds to at a point; the rest passes. 1
-/// without alpha; by a mask 0 or 1; where it is blended, its alpha.
+/// What share of the light the surface meets at a point, to which it does what its material says;
+/// the rest passes. 1 without alpha; by a mask 0 or 1; where it is blended, its alpha.
 float coverageAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+
+/// What becomes of light that comes to a point of a surface along a ray.
+struct Crossing {
+    float meets;   ///< its share that the material scatters, coverageAt()
+    float chance;  ///< by which a ray is to meet the surface, that meets it or passes
+    vec3 passes;   ///< its share that goes on straight, of each channel
+
+    /// What light counts that such a ray finds there, and what it finds behind.
+    float weightOfMeeting() const { return chance > 0.0f ? meets / chance : 0.0f; }
+    vec3 weightOfPassing() const { return passes / (1.0f - chance); }
+};
+
+/// Along a unit direction, from either side. Glass passes what its lobe does not reflect there, in
+/// its colour [glTF, KHR_materials_transmission]: of a point alone, no texture is averaged.
+Crossing crossingAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
+                    const vec3& along);
 
 /// Of all points of a triangle, nits.
 vec3 meanEmission(const Scene& scene, uint32_t triangle);

@@ -103,6 +103,17 @@ GltfFile varied() {
         {"offset", {0.5, 0.25}}, {"rotation", 0.7}, {"scale", {2, 3}}, {"texCoord", 1}};
     material["extensions"]["KHR_materials_specular"] = {{"specularTexture", {{"index", 0}}},
                                                         {"specularColorTexture", {{"index", 1}}}};
+    material["extensions"]["KHR_materials_transmission"] = {
+        {"transmissionFactor", 0.5}, {"transmissionTexture", {{"index", 1}}}};
+    material["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1},
+                                                      {"attenuationDistance", 0.5},
+                                                      {"attenuationColor", {0.5, 0.7, 0.9}}};
+    material["extensions"]["KHR_materials_iridescence"] = {
+        {"iridescenceFactor", 0.5},
+        {"iridescenceTexture", {{"index", 0}}},
+        {"iridescenceThicknessTexture", {{"index", 1}}}};
+    material["extensions"]["KHR_materials_clearcoat"] = {
+        {"clearcoatFactor", 0.5}, {"clearcoatNormalTexture", {{"index", 0}, {"scale", 0.5}}}};
     json["materials"][1]["extensions"]["KHR_materials_unlit"] = Json::object();
     json["extensionsUsed"] = {"KHR_texture_transform", "KHR_materials_unlit",
                               "EXT_mesh_gpu_instancing"};
