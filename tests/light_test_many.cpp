@@ -182,7 +182,7 @@ TEST(ManyLights, LightTheImageAsOneByOne) {
                      .f90 = gbuffer.f90.pixels[i]}};
         double sum = 0.0;
         for (const PunctualLight& light : scene.lights) {
-            if (reaching(tracer, light, {&side, 1})[0] > 0.0f) {
+            if (reaching(tracer, light, {&side, 1})[0] != vec3(0.0f)) {
                 sum += scattered(surface, side.toward_viewer,
                                  shared::sampleLight(light, side.position))
                            .x;

@@ -38,7 +38,7 @@ Found find(const Scene& scene, int count) {
     gbuffer.direct = traceDirect(tracer, lights, gbuffer);
     Found found;
     found.pixels = receiversOf(scene, std::move(gbuffer), 0, false);
-    const Image<float> all;
+    const Image<vec3> all;
     found.edges = findEdges(tracer, lights, camera, found.pixels, {0, all}, 0, count);
     return found;
 }
