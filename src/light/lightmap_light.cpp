@@ -18,7 +18,7 @@ void LightmapLight::radiance(const Rays& rays, std::span<const Hit> hits, vec3* 
         const vec3 albedo =
             surface.brdf.diffuse + specularAlbedo(glm::dot(surface.n, p.wo), material.roughness,
                                                   surface.brdf.f0, surface.brdf.f90);
-        radiance[i] += albedo * lightmapAt(scene(), p.triangle, p.barycentric) / kPi;
+        radiance[i] += hit.weight * albedo * lightmapAt(scene(), p.triangle, p.barycentric) / kPi;
     }
 }
 
