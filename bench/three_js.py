@@ -36,6 +36,21 @@ import * as THREE from "three";
 import { GLTFLoader } from "/three/examples/jsm/loaders/GLTFLoader.js";
 import { MeshoptDecoder } from "/three/examples/jsm/libs/meshopt_decoder.module.js";
 const { names, width, height } = await (await fetch("/list")).json();
+// Baked light, which GLTFLoader leaves to plug-ins.
+class Lightmaps {
+    constructor(parser) {
+        this.parser = parser;
+        this.name = "MOZ_lightmap";
+    }
+    async extendMaterialParams(index, params) {
+        const lightmap = this.parser.json.materials[index].extensions?.MOZ_lightmap;
+        if (lightmap) {
+            await this.parser.assignTexture(params, "lightMap", lightmap);
+            params.lightMapIntensity = lightmap.intensity ?? 1;
+        }
+    }
+}
+const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).register(parser => new Lightmaps(parser));
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 renderer.toneMapping = THREE.NoToneMapping;
 renderer.setClearColor(0x000000, 0);
@@ -43,7 +58,7 @@ const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatTyp
 for (const [index, path] of names.entries()) {
     let answer;
     try {
-        const gltf = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).loadAsync(path);
+        const gltf = await loader.loadAsync(path);
         const camera = gltf.cameras.find(c => c.userData.side_by_side) ?? gltf.cameras[gltf.cameras.length - 1];
         camera.aspect = width / height;
         camera.updateProjectionMatrix();
@@ -247,6 +262,7 @@ def render_by_three(three, copies, size, out):
         browser.terminate()
         browser.wait(30)
     server.shutdown()
+    server.server_close()
     return [answers.get(i, "no answer" if finished else "took too long") for i in range(len(copies))]
 
 

@@ -30,6 +30,54 @@ TEST_F(CliBakeTest, writesWhatItIsAskedFor) {
     EXPECT_EQ(Json::parse(textOf(file("c.json"))).at("own_coordinates"), true);
 }
 
+TEST_F(CliBakeTest, whatIsBakedIsShown) {
+    ASSERT_EQ(call("bake scene.gltf --size 32 -q -o a.glb").code, 0);
+    const Outcome shown = call("render a.glb --size 16x12 -o a.exr --json a.json");
+    EXPECT_EQ(shown.code, 0) << shown.err;
+    EXPECT_EQ(shown.err.find("lightmap"), std::string::npos) << shown.err;
+    EXPECT_EQ(Json::parse(textOf(file("a.json"))).at("method"), "lightmap");
+    EXPECT_NE(call("render a.glb --size 16x12 -o b.exr").out.find("lightmap"), std::string::npos);
+    // Its light is nowhere else.
+    const Outcome records = call("render a.glb --method radiance --size 16x12 -o b.exr");
+    EXPECT_EQ(records.code, 0) << records.err;
+    EXPECT_NE(records.err.find("lightmaps are ignored"), std::string::npos) << records.err;
+    expectError("render a.glb --accuracy 0.5 -o c.exr", ExitCode::kUsage,
+                "by which a file with lightmaps is shown");
+    expectError("render a.glb --bounces 2 -o c.exr", ExitCode::kUsage, "they were baked with");
+    expectError("render scene.gltf --method lightmap -o c.exr", ExitCode::kUsage,
+                "has no lightmaps");
+}
+
+// Nine coefficients of three channels, as THREE.SphericalHarmonics3.fromArray() takes them.
+TEST_F(CliBakeTest, lightProbes) {
+    const Outcome baked =
+        call("bake scene.gltf --probes 3x2x1 -q -o a.json -o a.exr --json figures.json");
+    ASSERT_EQ(baked.code, 0) << baked.err;
+    const Json probes = Json::parse(textOf(file("a.json")));
+    EXPECT_EQ(probes.at("counts"), Json({3, 2, 1}));
+    ASSERT_EQ(probes.at("probes").size(), 6);
+    const Json& second = probes.at("probes").at(1);
+    EXPECT_EQ(second.at("position"), Json({0.0, 2.0, 0.0}));
+    EXPECT_EQ(second.at("sh").size(), 27);
+    EXPECT_GT(second.at("sh").at(0), 0.0);
+    EXPECT_EQ(Json::parse(textOf(file("figures.json"))).at("probes"), 6);
+    EXPECT_EQ(call("bake scene.gltf --probes 5 -q -o b.json").code, 0);
+    EXPECT_EQ(Json::parse(textOf(file("b.json"))).at("counts"), Json({2, 2, 2}));
+    expectError("bake scene.gltf --probes 3x2 -o c.json", ExitCode::kUsage, "must be NxNxN");
+    expectError("bake scene.gltf --probes 0 -o c.json", ExitCode::kUsage, "must be NxNxN");
+    expectError("bake scene.gltf --probes 2x2x2 -o c.glb", ExitCode::kUsage, "must end in .json");
+    expectError("bake scene.gltf --probes 2x2x2 --size 64 -o c.json", ExitCode::kUsage, "--size");
+    expectError("bake scene.gltf -o c.json", ExitCode::kUsage, "--probes asks for");
+}
+
+TEST_F(CliBakeTest, directionsGoIntoExrAlone) {
+    ASSERT_EQ(call("bake scene.gltf --size 32 -q --directional -o a.exr -o a.glb").code, 0);
+    EXPECT_EQ(call("compare a.exr a.exr --layer sh3").code, 0);
+    expectError("bake scene.gltf --directional -o b.glb", ExitCode::kUsage, "no output is a .exr");
+    expectError("bake scene.gltf --directional --method reference -o b.exr", ExitCode::kUsage,
+                "finds irradiance alone");
+}
+
 TEST_F(CliBakeTest, refusesWhatCannotBe) {
     expectError("bake scene.gltf -o a.jpg", ExitCode::kUsage, "must end in .glb, .exr or .png");
     expectError("bake scene.gltf --spp 4 -o a.exr", ExitCode::kUsage, "only --method reference");

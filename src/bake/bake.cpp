@@ -4,16 +4,17 @@
 #include <optional>
 #include <utility>
 
+#include "bake/bake_light.h"
 #include "bake/dilate.h"
 #include "cache/fill.h"
+#include "core/parallel.h"
 #include "core/progress.h"
 #include "core/timer.h"
+#include "gather/light_around.h"
 #include "gather/ray_gather.h"
 #include "gather/shared_gather.h"
 #include "light/direct.h"
-#include "light/element_light.h"
-#include "light/place_elements.h"
-#include "light/scattered_again.h"
+#include "rays/jitter.h"
 #include "reference/reference.h"
 #include "render/gather_road.h"
 #include "splat/splat.h"
@@ -54,9 +55,28 @@ PlacementParams placementFor(float accuracy) {
     return how;
 }
 
+// The same of where it comes from.
+void addDirectSh(const Tracer& tracer, const SceneLights& lights, const Receivers& receivers,
+                 std::vector<Image<vec3>>& sh) {
+    parallelFor(receivers.image.height, [&](int y) {
+        for (size_t i = receivers.image.index(0, y); i < receivers.image.index(0, y + 1); ++i) {
+            if (!receivers.seen(i)) {
+                continue;
+            }
+            const ShLight light =
+                directAround(tracer, lights, receivers.sideAt(tracer.scene(), i), false,
+                             kDirectionalOrder, pcgHash(static_cast<uint32_t>(i)));
+            for (size_t k = 0; k < light.size(); ++k) {
+                sh[k].pixels[i] += light[k];
+            }
+        }
+    });
+}
+
 // Gathered at some texels, interpolated at all.
-Image<vec3> byRecords(const Scene& scene, const Receivers& receivers, const BakeParams& params,
-                      Gatherer& gatherer, BakeStats& stats) {
+void byRecords(const Scene& scene, const Receivers& receivers, const BakeParams& params,
+               Gatherer& gatherer, Baked& baked) {
+    BakeStats& stats = baked.stats;
     const PlacementParams how = placementFor(params.accuracy);
     RecordField field;
     const Timer place;
@@ -73,14 +93,22 @@ Image<vec3> byRecords(const Scene& scene, const Receivers& receivers, const Bake
         const vec4& sum = sums.irradiance.pixels[i];
         light.pixels[i] = sum.w > 0.0f ? vec3(sum) / sum.w : vec3(0.0f);
     }
+    baked.frame.indirect = std::move(light);
+    if (params.directional) {
+        baked.sh = splatSh(receivers, placement.cache, how.servingWeight(), kDirectionalOrder);
+    }
     stats.seconds_interpolate = interpolate.seconds();
-    return light;
 }
 
 // Gathered at every texel.
-Image<vec3> byTexels(const Scene& scene, const Receivers& receivers, const BakeParams& params,
-                     Gatherer& gatherer, BakeStats& stats) {
+void byTexels(const Scene& scene, const Receivers& receivers, const BakeParams& params,
+              Gatherer& gatherer, Baked& baked) {
+    BakeStats& stats = baked.stats;
     Image<vec3> light(receivers.image.width, receivers.image.height);
+    constexpr size_t kCoefficients = kDirectionalOrder * kDirectionalOrder;
+    if (params.directional) {
+        baked.sh.assign(kCoefficients, light);
+    }
     Progress progress("gathering at every texel", light.height, params.quiet);
     const Timer timer;
     for (int y = 0; y < light.height; ++y) {
@@ -96,12 +124,24 @@ Image<vec3> byTexels(const Scene& scene, const Receivers& receivers, const BakeP
         const std::vector<GatheredRecord> found = gatherer.gather(sites);
         for (size_t k = 0; k < of.size(); ++k) {
             light.pixels[of[k]] = found[k].record.irradiance;
+            for (size_t c = 0; c < 3 * baked.sh.size(); ++c) {
+                baked.sh[c % kCoefficients].pixels[of[k]][static_cast<int>(c / kCoefficients)] =
+                    found[k].sh[c];
+            }
         }
         stats.records += static_cast<int>(of.size());
         progress.advance();
     }
     stats.seconds_gather = timer.seconds();
-    return light;
+    baked.frame.indirect = std::move(light);
+}
+
+// They want of records as many bands as are baked.
+Receivers wantingDirections(Receivers receivers) {
+    for (int8_t& order : receivers.orders) {
+        order = order == kNoOrder ? order : static_cast<int8_t>(kDirectionalOrder);
+    }
+    return receivers;
 }
 
 void bakeByPaths(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
@@ -154,37 +194,35 @@ void bakeByPaths(const Tracer& tracer, const Lightmap& map, const BakeParams& pa
 
 }  // namespace
 
-Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakeParams& params,
+Baked gatherLight(const Tracer& tracer, const Receivers& given, const BakeParams& params,
                   const RankedJob& job) {
     const Scene& scene = tracer.scene();
+    const Receivers of_directions = params.directional ? wantingDirections(given) : Receivers{};
+    const Receivers& receivers = params.directional ? of_directions : given;
     Baked baked;
     const Timer made;
-    const SceneLights lights(tracer);
-    const ScatteredOnce once(tracer, &lights, std::vector<Bounds>{});
-    std::optional<ScatteredAgain> again;
-    if (params.bounces > 1) {
-        again.emplace(once,
-                      std::make_unique<ElementLight>(
-                          once, placeElements(tracer, someOf(scene, receivers)), params.bounces),
-                      std::vector<Bounds>{}, params.bounces);
-    }
+    const BakeLight light(tracer, someOf(scene, receivers), params.bounces);
     baked.stats.seconds_lights = made.seconds();
     if (!params.indirect_only && job.first()) {
         const Timer direct;
-        baked.frame.direct = directIrradiance(tracer, lights, receivers);
+        baked.frame.direct = directIrradiance(tracer, light.lights, receivers);
         baked.stats.seconds_direct = direct.seconds();
     }
-    const OutgoingLight& outgoing = again ? static_cast<const OutgoingLight&>(*again) : once;
-    RayGatherer own(outgoing, {.size = gatherSize(GatherRoad::kRays, params.accuracy)});
+    RayGatherer own(light.outgoing(), {.size = gatherSize(GatherRoad::kRays, params.accuracy)},
+                    false, BelowHorizon::kNothing);
     if (!job.first()) {
         serveGather(own, job);
         return baked;
     }
     SharedGatherer shared(own, job);
     Gatherer& gatherer = job.isShared() ? static_cast<Gatherer&>(shared) : own;
-    baked.frame.indirect = params.method == BakeMethod::kRecords
-                               ? byRecords(scene, receivers, params, gatherer, baked.stats)
-                               : byTexels(scene, receivers, params, gatherer, baked.stats);
+    (params.method == BakeMethod::kRecords ? byRecords : byTexels)(scene, receivers, params,
+                                                                   gatherer, baked);
+    if (params.directional && !params.indirect_only) {
+        const Timer direct;
+        addDirectSh(tracer, light.lights, receivers, baked.sh);
+        baked.stats.seconds_direct += direct.seconds();
+    }
     return baked;
 }
 
@@ -198,6 +236,9 @@ Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
             baked = gatherLight(tracer, map.receivers, params, job);
             break;
         case BakeMethod::kReference:
+            if (params.directional) {
+                throwUsage("--directional: --method reference finds irradiance alone");
+            }
             if (job.isShared()) {
                 throwUsage(
                     "--method reference: where its paths go they learn from those of all texels, "
@@ -221,6 +262,9 @@ Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
     }
     dilate(map, baked.frame.direct);
     dilate(map, baked.frame.indirect);
+    for (Image<vec3>& coefficient : baked.sh) {
+        dilate(map, coefficient);
+    }
     return baked;
 }
 

@@ -21,8 +21,10 @@ struct BakeParams {
     float accuracy = 0.4f;  ///< Ward's a; by records and texels, how finely each looks
     int bounces = kAllBounces;
     bool indirect_only = false;  ///< without the light straight from lights and lamps
-    int spp = 1024;              ///< of the reference
-    uint32_t seed = 0;           ///< likewise
+    /// Also where light comes from (Baked::sh); by records and texels.
+    bool directional = false;
+    int spp = 1024;     ///< of the reference
+    uint32_t seed = 0;  ///< likewise
     bool quiet = false;
 };
 
@@ -34,17 +36,25 @@ struct BakeStats {
            seconds_interpolate = 0, seconds_trace = 0;
 };
 
+/// Bands of what is baked of the directions that light comes from: the second one's coefficients,
+/// times sqrt(4 pi / 3), are the vector whose cosine-weighted part along a normal is its irradiance
+/// as long as no light is below it.
+constexpr int kDirectionalOrder = 2;
+
 struct Baked {
     /// Layers of irradiance, lux, [texel]: direct (black where it is not asked for) and indirect,
     /// of the reference with their variances; filled up all over (dilate.h). `primitive` tells the
     /// texels that have light of their own: the others show kNoPrimitive and are not compared.
     Frame frame;
+    /// [coefficient], texels: radiance from above each, direct and indirect, world space, nits;
+    /// filled up likewise. Empty unless BakeParams::directional.
+    std::vector<Image<vec3>> sh;
     BakeStats stats;
 };
 
 /// The light of receivers of a lightmap's kind (texels.h), by records or at each: the layers
-/// direct, unless only the indirect is asked for, and indirect. Of a shared job the first rank has
-/// them, and the others, who gather for it, nothing.
+/// direct, unless only the indirect is asked for, and indirect, and `sh` where it is asked for. Of
+/// a shared job the first rank has them, and the others, who gather for it, nothing.
 Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakeParams& params,
                   const RankedJob& job = {});
 

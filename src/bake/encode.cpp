@@ -46,17 +46,6 @@ double bestIntensity(const Lightmap& map, const Image<vec3>& light) {
     return best > 0.0 ? best : 1.0;
 }
 
-// Where a texel's point lies on its triangle.
-vec3 barycentricOf(const Scene& scene, uint32_t triangle, const vec3& p) {
-    const uvec3& t = scene.triangles[triangle];
-    const dvec3 a(scene.positions[t.x]);
-    const dvec3 ab = dvec3(scene.positions[t.y]) - a, ac = dvec3(scene.positions[t.z]) - a;
-    const dvec3 n = glm::cross(ab, ac), way = dvec3(p) - a;
-    const double v = glm::dot(glm::cross(way, ac), n) / glm::dot(n, n);
-    const double w = glm::dot(glm::cross(ab, way), n) / glm::dot(n, n);
-    return glm::clamp(vec3(1.0 - v - w, v, w), 0.0f, 1.0f);
-}
-
 }  // namespace
 
 EncodedLight encodeIrradiance(const Lightmap& map, const Image<vec3>& irradiance) {

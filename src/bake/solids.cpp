@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "bake/charts.h"
@@ -41,6 +42,19 @@ std::vector<uint32_t> partsOf(const Scene& scene, const std::vector<uint32_t>& p
         parts.push_back(own);
     }
     return parts;
+}
+
+// By rays from a point in all directions.
+std::array<Hit, kRays> metAround(const Tracer& tracer, const vec3& from) {
+    std::array<vec3, kRays> directions;
+    for (uint32_t i = 0; i < kRays; ++i) {
+        const vec2 u = randomPlace(i, 0);
+        const float z = 2.0f * u.x - 1.0f, r = std::sqrt(1.0f - z * z), phi = 2.0f * kPi * u.y;
+        directions[i] = {r * std::cos(phi), r * std::sin(phi), z};
+    }
+    std::array<Hit, kRays> hits;
+    tracer.meet({.origin = from, .directions = directions}, hits.data());
+    return hits;
 }
 
 }  // namespace
@@ -108,14 +122,7 @@ Solids::Solids(const Tracer& tracer) : tracer_(tracer) {
 
 // The part that most rays from a point meet from behind, if there is one.
 std::optional<uint32_t> Solids::metFromWithin(const vec3& from) const {
-    std::array<vec3, kRays> directions;
-    for (uint32_t i = 0; i < kRays; ++i) {
-        const vec2 u = randomPlace(i, 0);
-        const float z = 2.0f * u.x - 1.0f, r = std::sqrt(1.0f - z * z), phi = 2.0f * kPi * u.y;
-        directions[i] = {r * std::cos(phi), r * std::sin(phi), z};
-    }
-    std::array<Hit, kRays> hits;
-    tracer_.meet({.origin = from, .directions = directions}, hits.data());
+    const std::array<Hit, kRays> hits = metAround(tracer_, from);
     for (const Hit& hit : hits) {
         if (!hit.found() || !hit.back) {
             continue;
@@ -131,6 +138,21 @@ std::optional<uint32_t> Solids::metFromWithin(const vec3& from) const {
     return std::nullopt;
 }
 
+bool Solids::enclose(std::span<const Hit> hits) const {
+    size_t within = 0, behind_one = 0;
+    const uint32_t one = !hits.empty() && hits[0].found() ? part_of_[hits[0].triangle] : 0;
+    for (const Hit& hit : hits) {
+        if (hit.found() && hit.back) {
+            const uint32_t part = part_of_[hit.triangle];
+            within += solid_[hit.triangle] ? 1 : 0;
+            behind_one += part == one && !room_[part] ? 1 : 0;
+        }
+    }
+    return 2 * within > hits.size() || (!hits.empty() && behind_one == hits.size());
+}
+
+bool Solids::hold(const vec3& p) const { return enclose(metAround(tracer_, p)); }
+
 bool Solids::bury(const SurfaceSide& p, const vec3& normal) const {
     std::array<vec3, kRays> directions;
     size_t count = 0;
@@ -143,16 +165,7 @@ bool Solids::bury(const SurfaceSide& p, const vec3& normal) const {
     }
     std::array<Hit, kRays> hits;
     tracer_.meet({.origin = p.start(), .directions = {directions.data(), count}}, hits.data());
-    size_t within = 0, behind_one = 0;
-    const uint32_t one = hits[0].found() ? part_of_[hits[0].triangle] : 0;
-    for (size_t i = 0; i < count; ++i) {
-        if (hits[i].found() && hits[i].back) {
-            const uint32_t part = part_of_[hits[i].triangle];
-            within += solid_[hits[i].triangle] ? 1 : 0;
-            behind_one += part == one && !room_[part] ? 1 : 0;
-        }
-    }
-    return 2 * within > count || (count > 0 && behind_one == count);
+    return enclose({hits.data(), count});
 }
 
 }  // namespace sheen

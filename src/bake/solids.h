@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "rays/surface_point.h"
@@ -21,8 +22,12 @@ class Solids {
     /// of one surface.
     bool bury(const SurfaceSide& p, const vec3& normal) const;
 
+    /// Likewise of rays that leave a point in the air.
+    bool hold(const vec3& p) const;
+
   private:
     std::vector<bool> closedParts(const std::vector<uint32_t>& places) const;
+    bool enclose(std::span<const Hit> hits) const;
     std::optional<uint32_t> metFromWithin(const vec3& from) const;
 
     const Tracer& tracer_;

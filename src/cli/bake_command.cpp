@@ -10,6 +10,8 @@
 
 #include "bake/encode.h"
 #include "bake/seams.h"
+#include "cli/bake_options.h"
+#include "cli/bake_probes.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/output.h"
@@ -27,41 +29,6 @@ const std::map<std::string, BakeMethod> kBakeMethods = {{"records", BakeMethod::
                                                         {"texels", BakeMethod::kTexels},
                                                         {"reference", BakeMethod::kReference}};
 
-struct BakeOptions {
-    std::string scene;
-    std::vector<std::string> outputs;
-    std::string method = "records";
-    std::string bounces = "all";
-    std::string json;
-    int threads = 0;
-    bool unlit = false;
-    LoadParams load;
-    AtlasParams atlas;
-    BakeParams params;
-    const CLI::App* app = nullptr;
-    CLI::Option* accuracy_option = nullptr;
-    CLI::Option* spp_option = nullptr;
-    CLI::Option* seed_option = nullptr;
-};
-
-enum class BakedKind { kExr, kPng, kGlb };
-
-BakedKind bakedKind(const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
-    if (extension == ".exr") {
-        return BakedKind::kExr;
-    }
-    if (extension == ".png") {
-        return BakedKind::kPng;
-    }
-    if (extension == ".glb") {
-        return BakedKind::kGlb;
-    }
-    throwUsage("-o {}: the name of what is baked must end in .glb, .exr or .png", path);
-}
-
 void understand(BakeOptions& o) {
     o.params.method = kBakeMethods.at(o.method);
     o.params.bounces = parseBounces(o.bounces);
@@ -74,6 +41,13 @@ void understand(BakeOptions& o) {
     if (o.accuracy_option->count() > 0 && paths) {
         throwUsage("--accuracy: --method reference has none; --spp makes it finer");
     }
+    if (!o.probes.empty()) {
+        if (o.outputs.empty()) {
+            o.outputs.push_back(std::filesystem::path(o.scene).stem().string() + "_probes.json");
+        }
+        checkProbeOptions(o);
+        return;
+    }
     constexpr int kUsualSize = 512;
     if (o.atlas.size == 0 && o.atlas.texels_per_metre == 0.0f) {
         o.atlas.size = kUsualSize;
@@ -81,9 +55,18 @@ void understand(BakeOptions& o) {
     if (o.outputs.empty()) {
         o.outputs.push_back(std::filesystem::path(o.scene).stem().string() + "_baked.glb");
     }
-    bool any_glb = false;
+    bool any_glb = false, any_exr = false;
     for (const std::string& output : o.outputs) {
-        any_glb = bakedKind(output) == BakedKind::kGlb || any_glb;
+        const BakedKind kind = bakedKind(output);
+        any_glb = kind == BakedKind::kGlb || any_glb;
+        any_exr = kind == BakedKind::kExr || any_exr;
+        if (kind == BakedKind::kJson) {
+            throwUsage("-o {}: of light probes, which --probes asks for", output);
+        }
+    }
+    if (o.params.directional && !any_exr) {
+        throwUsage(
+            "--directional: no output is a .exr file, which alone has room for it; give -o one");
     }
     if (o.unlit && !any_glb) {
         throwUsage("--unlit: no output is a .glb file; give -o one");
@@ -182,7 +165,7 @@ void writeOutputs(const BakeOptions& o, const Scene& scene, const Lightmap& map,
     for (const std::string& output : o.outputs) {
         switch (bakedKind(output)) {
             case BakedKind::kExr:
-                writeExr(output, baked.frame, ExrLayers::kBasic);
+                writeExr(output, baked.frame, ExrLayers::kBasic, {}, {}, layersOfSh(baked.sh));
                 break;
             case BakedKind::kPng:
                 writePng(output, beauty(baked.frame), std::nullopt);
@@ -190,6 +173,8 @@ void writeOutputs(const BakeOptions& o, const Scene& scene, const Lightmap& map,
             case BakedKind::kGlb:
                 writeBakedScene(o, output, scene, map, beauty(baked.frame));
                 break;
+            case BakedKind::kJson:
+                break;  // of light probes alone
         }
     }
 }
@@ -199,7 +184,7 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
     understand(o);
     setThreadCount(o.threads > 0 ? o.threads : ranks.threads());
     const Timer load;
-    o.load.sources = true;
+    o.load.sources = o.probes.empty();
     const Scene scene = loadScene(o.scene, o.load);
     for (const std::string& warning : scene.warnings) {
         warn(warning);
@@ -213,6 +198,10 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
         checkOutputs(files, scene.files);
     }
     const Tracer tracer(scene);
+    if (!o.probes.empty()) {
+        runProbes(o, tracer, ranks, load_seconds);
+        return ExitCode::kDone;
+    }
     const Lightmap map = lightmapOf(tracer, atlasOf(scene, o.atlas));
     if (std::any_of(o.outputs.begin(), o.outputs.end(), [](const std::string& output) {
             return bakedKind(output) == BakedKind::kGlb;
@@ -248,22 +237,31 @@ void addAtlasOptions(CLI::App& app, BakeOptions& o) {
         ->type_name("FILE")
         ->allow_extra_args(false)
         ->check(fileName());
-    app.add_option("--size", o.atlas.size, "Texels along each side of the lightmap")
-        ->check(CLI::Range(kLeastAtlas, kLargestAtlas))
-        ->default_str("512, or what --texels-per-metre asks for");
-    app.add_option("--texels-per-metre", o.atlas.texels_per_metre,
-                   "Texels along each unit of the scene's surfaces; default: as many as --size "
-                   "holds")
-        ->check(numberIn(1e-6, 1e6))
-        ->default_str("");
+    o.of_lightmaps = {
+        app.add_option("--size", o.atlas.size, "Texels along each side of the lightmap")
+            ->check(CLI::Range(kLeastAtlas, kLargestAtlas))
+            ->default_str("512, or what --texels-per-metre asks for"),
+        app.add_option("--texels-per-metre", o.atlas.texels_per_metre,
+                       "Texels along each unit of the scene's surfaces; default: as many as --size "
+                       "holds")
+            ->check(numberIn(1e-6, 1e6))
+            ->default_str("")};
+    app.add_option(
+           "--probes", o.probes,
+           "Instead of a lightmap light probes, for things that move: so many along the axes "
+           "of the scene's bounds, or the space between them. -o: .json, as three.js's "
+           "LightProbe has them, and .exr; default: the scene's name with _probes.json")
+        ->type_name("NxNxN|D")
+        ->check(fileName());
 }
 
 void addBakeMethodOptions(CLI::App& app, BakeOptions& o) {
-    app.add_option("--method", o.method,
-                   "records (gathered at few texels), texels (the same at each of them), "
-                   "reference (path tracer)")
-        ->check(CLI::IsMember({"records", "texels", "reference"}))
-        ->capture_default_str();
+    o.of_lightmaps.push_back(
+        app.add_option("--method", o.method,
+                       "records (gathered at few texels), texels (the same at each of them), "
+                       "reference (path tracer)")
+            ->check(CLI::IsMember({"records", "texels", "reference"}))
+            ->capture_default_str());
     o.accuracy_option =
         app.add_option("--accuracy", o.params.accuracy,
                        "records, texels: largest error of a record's reuse, smaller is better "
@@ -279,8 +277,13 @@ void addBakeMethodOptions(CLI::App& app, BakeOptions& o) {
         ->capture_default_str();
     app.add_flag("--indirect-only", o.params.indirect_only,
                  "Leave out the light that comes straight from lights and lamps");
-    app.add_flag("--unlit", o.unlit,
-                 ".glb: light and colours in one image, for viewers that know no lightmaps");
+    o.of_lightmaps.push_back(
+        app.add_flag("--directional", o.params.directional,
+                     ".exr: also where light comes from, for normal maps: spherical harmonics of "
+                     "order 2 in layers sh0 to sh3"));
+    o.of_lightmaps.push_back(
+        app.add_flag("--unlit", o.unlit,
+                     ".glb: light and colours in one image, for viewers that know no lightmaps"));
     addEnvironmentOptions(app, o.load.environment);
     app.remove_option(app.get_option("--transparent"));  // no image shows a sky
     addThreadsOption(app, o.threads);
@@ -291,6 +294,32 @@ void addBakeMethodOptions(CLI::App& app, BakeOptions& o) {
 }
 
 }  // namespace
+
+std::vector<ExrColors> layersOfSh(std::span<const Image<vec3>> coefficients) {
+    std::vector<ExrColors> layers;
+    for (const Image<vec3>& coefficient : coefficients) {
+        layers.push_back({fmt::format("sh{}", layers.size()), &coefficient});
+    }
+    return layers;
+}
+
+BakedKind bakedKind(const std::string& path) {
+    static const std::map<std::string, BakedKind> kinds = {{".exr", BakedKind::kExr},
+                                                           {".png", BakedKind::kPng},
+                                                           {".glb", BakedKind::kGlb},
+                                                           {".json", BakedKind::kJson}};
+    std::string extension = std::filesystem::path(path).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    const auto found = kinds.find(extension);
+    if (found == kinds.end()) {
+        throwUsage(
+            "-o {}: the name of what is baked must end in .glb, .exr or .png, or, of light "
+            "probes, .json",
+            path);
+    }
+    return found->second;
+}
 
 Command addBake(CLI::App& program, Ranks& ranks) {
     CLI::App* app = program.add_subcommand("bake", "Bake a scene's light into a lightmap");

@@ -115,6 +115,30 @@ dvec3 parsePoint(const char* option, const std::string& text) {
     return point;
 }
 
+ProbeSpacing parseProbes(const std::string& text) {
+    constexpr int kMostAlongAxis = 4096;
+    const std::optional<float> space = parseNumber<float>(text);
+    if (space && *space > 0.0f && std::isfinite(*space)) {
+        return {.counts = std::nullopt, .space = *space};
+    }
+    ivec3 counts(0);
+    std::string_view rest = text;
+    for (int axis = 0; axis < 3; ++axis) {
+        const size_t end = std::min(axis < 2 ? rest.find_first_of("xX") : rest.size(), rest.size());
+        counts[axis] = parseNumber<int>(rest.substr(0, end)).value_or(0);
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        if (counts[axis] < 1 || counts[axis] > kMostAlongAxis) {
+            throwUsage(
+                "--probes {}: must be NxNxN, each 1..{}, as in 8x4x8, or the space between probes, "
+                "above 0",
+                text, kMostAlongAxis);
+        }
+    }
+    return {.counts = counts};
+}
+
 int parseShOrder(const std::string& text) {
     if (text == "auto") {
         return 0;

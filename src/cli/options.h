@@ -31,6 +31,14 @@ Crop parseCrop(const std::string& text);
 /// "X,Y,Z", numbers. Usage error otherwise, which names the option.
 dvec3 parsePoint(const char* option, const std::string& text);
 
+/// Where light probes go: so many along each axis, or with so much space between them.
+struct ProbeSpacing {
+    std::optional<ivec3> counts;
+    float space = 0.0f;  ///< scene units
+};
+/// "NxNxN", each 1..4096, or a number above 0. Usage error otherwise.
+ProbeSpacing parseProbes(const std::string& text);
+
 /// "auto" (0) or 2..10. Usage error otherwise.
 int parseShOrder(const std::string& text);
 

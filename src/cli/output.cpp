@@ -40,12 +40,13 @@ void checkOutputs(const std::vector<OutputFile>& outputs, const std::vector<std:
     }
 }
 
-void writeJson(const std::string& json_path, const Json& json) {
+void writeJson(const std::string& json_path, const Json& json, bool compact) {
     if (json_path.empty()) {
         return;
     }
     // Names come from scene files and need not be valid UTF-8.
-    const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    const std::string text =
+        json.dump(compact ? -1 : 2, ' ', false, Json::error_handler_t::replace) + "\n";
     if (json_path == "-") {
         std::fwrite(text.data(), 1, text.size(), stdout);
         flushOutput();

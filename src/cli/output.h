@@ -29,8 +29,9 @@ struct OutputFile {
 /// output, by the files' identity; environment error where one cannot be written.
 void checkOutputs(const std::vector<OutputFile>& outputs, const std::vector<std::string>& inputs);
 
-/// Writes `json` to `json_path`, see above. Environment error where it cannot be written.
-void writeJson(const std::string& json_path, const Json& json);
+/// Writes `json` to `json_path`, see above, a value a line or, `compact`, all in one. Environment
+/// error where it cannot be written.
+void writeJson(const std::string& json_path, const Json& json, bool compact = false);
 
 Json jsonFrom(const dvec3& v);
 

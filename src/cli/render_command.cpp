@@ -25,6 +25,7 @@ ExitCode runRender(RenderOptions& o) {
     for (const std::string& warning : scene.warnings) {
         warn(warning);
     }
+    understandFile(o, scene);
     const double load_seconds = load.seconds();
     checkOutputs({{"-o", o.output}, {"--json", o.json}, {"--cache", o.cache}}, scene.files);
 

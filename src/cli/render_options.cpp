@@ -16,7 +16,8 @@ namespace {
 const std::map<std::string, Method> kMethods = {
     {"radiance", Method::kRadiance},   {"irradiance", Method::kIrradiance},
     {"reference", Method::kReference}, {"octree", Method::kOctree},
-    {"denoised", Method::kDenoised},   {"hints", Method::kHints}};
+    {"denoised", Method::kDenoised},   {"hints", Method::kHints},
+    {"lightmap", Method::kLightmap}};
 
 const std::map<std::string, ToneCurve> kTones = {{"neutral", ToneCurve::kNeutral},
                                                  {"none", ToneCurve::kNone}};
@@ -120,14 +121,17 @@ struct Limiter {
 void addMethodOptions(CLI::App& app, RenderOptions& o) {
     RenderParams& p = o.params;
     const Limiter limited{o};
-    app.add_option(
-           "--method", o.method,
-           "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
-           "reference (path tracer), or to compare with: denoised (path tracer, filtered), "
-           "octree (classical irradiance cache, diffuse only), hints (radiance hints: quick "
-           "and approximate)")
-        ->check(CLI::IsMember(keysOf(kMethods)))
-        ->capture_default_str();
+    o.method_option =
+        app.add_option(
+               "--method", o.method,
+               "radiance (cache, glossy and diffuse), irradiance (cache, diffuse only), "
+               "reference (path tracer), lightmap (diffuse light as the file's lightmaps have it), "
+               "or to compare with: denoised (path tracer, filtered), octree (classical irradiance "
+               "cache, diffuse only), hints (radiance hints: quick and approximate). sheen "
+               "render's "
+               "default is lightmap where the file has lightmaps for all its surfaces")
+            ->check(CLI::IsMember(keysOf(kMethods)))
+            ->capture_default_str();
     CLI::Option* accuracy = limited(
         app.add_option("--accuracy", p.placement.accuracy,
                        "radiance, irradiance, octree: largest error of a record's reuse, smaller "
@@ -261,8 +265,13 @@ void checkMethodOptions(const RenderOptions& o) {
         const auto& methods = limited.methods;
         if (limited.option->count() > 0 &&
             std::find(methods.begin(), methods.end(), o.params.method) == methods.end()) {
-            throwUsage("{}: not an option of --method {}", limited.option->get_name(), o.method);
+            throwUsage(
+                "{}: not an option of --method {}{}", limited.option->get_name(), o.method,
+                o.by_file ? ", by which a file with lightmaps is shown; choose another" : "");
         }
+    }
+    if (o.params.method == Method::kLightmap && o.bounces_option->count() > 0) {
+        throwUsage("--bounces: lightmaps have those that they were baked with");
     }
     if (o.params.gather.kind == HemisphereKind::kHemicube && o.extent_option->count() > 0) {
         throwUsage("--gather-extent: not an option of --gather {}", o.gather);
@@ -356,7 +365,9 @@ std::string settingsOf(const RenderOptions& o) {
     std::string text;
     for (const CLI::Option* option : o.app->get_options()) {
         const bool given = option->count() > 0;
-        const std::string value = given ? option->results().front() : option->get_default_str();
+        const std::string value = option == o.method_option ? o.method
+                                  : given                   ? option->results().front()
+                                                            : option->get_default_str();
         if (isOfImage(o, option) && !value.empty()) {
             text += fmt::format("{}--{}={}", text.empty() ? "" : " ", option->get_lnames()[0],
                                 canonical(value));
@@ -421,13 +432,23 @@ void understandFrame(RenderOptions& o) {
         throwUsage("--sh-order {}: hints have 2 or 3", o.sh_order);
     }
     o.params.caustics = causticsOf(o);
+    o.load.lightmaps = o.params.method == Method::kLightmap;
     o.load.environment.no_sky =
         usesCache(o.params.method) && o.params.gather_road == GatherRoad::kRaster;
     o.settings = settingsOf(o);
 }
 
+void understandFile(RenderOptions& o, const Scene& scene) {
+    if (o.method_option->count() == 0 && scene.lightmapped) {
+        o.method = "lightmap";
+        o.by_file = true;
+        understandFrame(o);
+    }
+}
+
 FileKind understand(RenderOptions& o) {
     understandFrame(o);
+    o.load.lightmaps = o.load.lightmaps || o.method_option->count() == 0;
     o.output = o.output.empty() ? defaultOutput(o.scene) : o.output;
     const FileKind kind = imageKind(o.output);
     checkFileOptions(o, kind);

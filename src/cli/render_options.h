@@ -47,6 +47,8 @@ struct RenderOptions {
     const CLI::App* app = nullptr;  ///< that they were added to
     std::string settings;           ///< of the image, by options, "--size=64x64 --aa=1 ..."
     std::vector<LimitedOption> limited;
+    bool by_file = false;  ///< the method is the file's choice
+    CLI::Option* method_option = nullptr;
     CLI::Option* aa_option = nullptr;
     CLI::Option* exposure_option = nullptr;
     CLI::Option* tone_option = nullptr;
@@ -63,8 +65,12 @@ void addRenderOptions(CLI::App& app, RenderOptions& o);
 /// does not go together.
 void understandFrame(RenderOptions& o);
 
-/// The same, and `output`; returns what file that is to be.
+/// The same, and `output`; returns what file that is to be. Where no method is given the file may
+/// have lightmaps: understandFile() is to follow.
 FileKind understand(RenderOptions& o);
+
+/// What the others say where the scene that was loaded chooses the method.
+void understandFile(RenderOptions& o, const Scene& scene);
 
 bool tracesPaths(Method method);
 bool usesCache(Method method);

@@ -197,6 +197,9 @@ void printStats(const RenderOptions& o, const RenderStats& stats) {
     } else if (o.params.method == Method::kHints) {
         fmt::print("hints     {}, of {} samples of lit surfaces; pixels that see none: {} of {}\n",
                    stats.hints, stats.lit_samples, stats.pixels_uncovered, stats.pixels_geometry);
+    } else if (o.params.method == Method::kLightmap) {
+        fmt::print("lightmap  of the file, in place of records; lobes by rays: {:.1f}% of pixels\n",
+                   100.0 * stats.too_glossy_share);
     } else {
         const std::string of_clusters =
             o.params.placement.sites == SitesBy::kKMeans

@@ -190,7 +190,9 @@ void ProjectionMatrices::prepare(const Hemisphere& hemisphere, std::span<const R
         for (int order : {site.order, shLayout(site.order).gradient_order}) {
             std::vector<float>& matrix = of_[static_cast<size_t>(order)];
             if (order > shared::DIFFUSE_ORDER && matrix.empty()) {
-                matrix = projectionMatrix(hemisphere, {.order = order});
+                matrix = below_ == BelowHorizon::kContinued
+                             ? projectionMatrix(hemisphere, {.order = order})
+                             : integralMatrix(hemisphere, order);
             }
         }
     }

@@ -36,9 +36,17 @@ struct SeenTexels {
 GatheredRecord integrateHemisphere(const Hemisphere& hemisphere, const SeenTexels& seen,
                                    const ShProjection& projection, const RecordSite& site);
 
+/// What spherical harmonics say of directions below a record's horizon.
+enum class BelowHorizon {
+    kContinued,  ///< what the horizon shows: for lobes that reach there (projectionMatrix())
+    kNothing,    ///< that nothing comes from there: what light is, not what to look up
+                 ///< (integralMatrix())
+};
+
 /// The matrices integrateHemisphere() projects with, each made when it is first asked for.
 class ProjectionMatrices {
   public:
+    explicit ProjectionMatrices(BelowHorizon below = BelowHorizon::kContinued) : below_(below) {}
     /// Makes those that `sites` need.
     void prepare(const Hemisphere& hemisphere, std::span<const RecordSite> sites);
     /// Empty for diffuse records.
@@ -48,6 +56,7 @@ class ProjectionMatrices {
     }
 
   private:
+    BelowHorizon below_;
     std::vector<float> of_[shared::SH_MAX_ORDER + 1];
 };
 

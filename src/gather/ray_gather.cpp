@@ -285,6 +285,7 @@ std::vector<const RayGatherer::Resolution*> RayGatherer::prepare(
         Resolution& resolution = found->second;
         if (fresh) {
             resolution.hemisphere = makeHemisphere(params);
+            resolution.projections = ProjectionMatrices(below_);
         }
         resolution.projections.prepare(resolution.hemisphere, sites.subspan(i, 1));
         resolutions.push_back(&resolution);

@@ -26,8 +26,8 @@ class RayGatherer : public Gatherer {
     /// beyond.
     /// `without_caustics`: records know nothing of those (Rays).
     RayGatherer(const OutgoingLight& light, const HemisphereParams& params,
-                bool without_caustics = false)
-        : light_(light), params_(params), without_caustics_(without_caustics) {
+                bool without_caustics = false, BelowHorizon below = BelowHorizon::kContinued)
+        : light_(light), params_(params), without_caustics_(without_caustics), below_(below) {
         SHEEN_CHECK(params.kind == HemisphereKind::kHemicube);
     }
 
@@ -65,6 +65,7 @@ class RayGatherer : public Gatherer {
     const OutgoingLight& light_;
     HemisphereParams params_;
     bool without_caustics_;
+    BelowHorizon below_;
     const Motion* motion_ = nullptr;         // none: nothing is known of the next frame
     std::map<int, Resolution> resolutions_;  // by texels along the side
     int64_t rays_cast_ = 0;

@@ -311,10 +311,41 @@ void checkIsExr(const std::string& path) {
     }
 }
 
+void addColors(Channels& channels, std::span<const ExrColors> layers) {
+    for (const ExrColors& layer : layers) {
+        channels.addColor(layer.name + ".", kRgb, *layer.colors, false);
+    }
+}
+
+Imf::Header headerOf(int width, int height, const ExrNotes& notes) {
+    Imf::Header header(width, height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, text] : notes.texts) {
+        header.insert(name, Imf::StringAttribute(text));
+    }
+    for (const auto& [name, number] : notes.numbers) {
+        header.insert(name, Imf::FloatAttribute(number));
+    }
+    return header;
+}
+
+void writeChannels(const std::string& path, const Channels& channels, const Imf::Header& header) {
+    AtomicFile file(path);
+    Imf::setGlobalThreadCount(threadCount());
+    try {
+        channels.write(file, header);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& error) {
+        throwEnvironment("{}: cannot write: {}", path, oneLine(error.what()));
+    }
+    file.commit();
+}
+
 }  // namespace
 
 void writeExr(const std::string& path, const Frame& frame, ExrLayers layers, const ExrNotes& notes,
-              std::span<const Matte> mattes) {
+              std::span<const Matte> mattes, std::span<const ExrColors> more) {
     SHEEN_CHECK(!frame.primitive.empty());
     const bool exact = !frame.indirect_variance.empty() || !frame.indirect_diffuse_variance.empty();
     const Image<vec3> beauty_image = beauty(frame);
@@ -326,27 +357,24 @@ void writeExr(const std::string& path, const Frame& frame, ExrLayers layers, con
     for (const Matte& matte : mattes) {
         channels.addMatte(matte);
     }
-    AtomicFile file(path);
-    Imf::Header header(frame.width(), frame.height());
-    header.compression() = Imf::ZIP_COMPRESSION;
-    for (const auto& [name, text] : notes.texts) {
-        header.insert(name, Imf::StringAttribute(text));
-    }
-    for (const auto& [name, number] : notes.numbers) {
-        header.insert(name, Imf::FloatAttribute(number));
-    }
+    addColors(channels, more);
+    Imf::Header header = headerOf(frame.width(), frame.height(), notes);
     for (const Matte& matte : mattes) {
         insertMatte(matte, header);
     }
-    Imf::setGlobalThreadCount(threadCount());
-    try {
-        channels.write(file, header);
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& error) {
-        throwEnvironment("{}: cannot write: {}", path, oneLine(error.what()));
+    writeChannels(path, channels, header);
+}
+
+void writeExrLayers(const std::string& path, std::span<const ExrColors> colors,
+                    const std::map<std::string, Image<float>>& numbers, const ExrNotes& notes) {
+    SHEEN_CHECK(!colors.empty());
+    const ivec2 size(colors.front().colors->width, colors.front().colors->height);
+    Channels channels(size.x, size.y, true);
+    addColors(channels, colors);
+    for (const auto& [name, image] : numbers) {
+        channels.addScalar(name, image, false);
     }
-    file.commit();
+    writeChannels(path, channels, headerOf(size.x, size.y, notes));
 }
 
 LoadedExr readExr(const std::string& path) {

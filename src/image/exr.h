@@ -36,10 +36,23 @@ struct ExrNotes {
     std::map<std::string, float> numbers;
 };
 
-/// Writes `frame`, and `mattes` of it, to `path`, which appears whole or not at all. Environment
+/// A layer of colours that no frame has.
+struct ExrColors {
+    std::string name;
+    const Image<vec3>* colors = nullptr;
+};
+
+/// Writes such layers, and the channels of numbers of those names, all of one size, in floats.
+/// Errors as writeExr().
+void writeExrLayers(const std::string& path, std::span<const ExrColors> colors,
+                    const std::map<std::string, Image<float>>& numbers, const ExrNotes& notes = {});
+
+/// Writes `frame`, `mattes` of it and `more` layers, in floats, to `path`, which appears whole or
+/// not at all. Environment
 /// error where the file cannot be written.
 void writeExr(const std::string& path, const Frame& frame, ExrLayers layers,
-              const ExrNotes& notes = {}, std::span<const Matte> mattes = {});
+              const ExrNotes& notes = {}, std::span<const Matte> mattes = {},
+              std::span<const ExrColors> more = {});
 
 /// What an EXR file holds. Half and integer channels are converted to float.
 struct LoadedExr {

@@ -174,7 +174,7 @@ float LampSampler::farthest(const Tracer& tracer, uint32_t triangle, const vec3&
 LampSampler::LampSampler(const Tracer& tracer) : scene_(tracer.scene()) {
     const auto count = static_cast<uint32_t>(scene_.triangleCount());
     for (uint32_t t = 0; t < count; ++t) {
-        if (scene_.materials[scene_.materials_of[t]].emits() &&
+        if (!scene_.lamps_baked && scene_.materials[scene_.materials_of[t]].emits() &&
             luminance(meanEmission(scene_, t)) > 0.0f) {
             first_.resize(count, kNone);
             first_[t] = static_cast<uint32_t>(2 * triangles_.size());

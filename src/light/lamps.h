@@ -15,7 +15,7 @@ namespace sheen {
 /// Safe to use from many threads. The scene must outlive them.
 class LampSampler {
   public:
-    /// All triangles of the tracer's scene that emit.
+    /// All triangles of the tracer's scene that emit; none where lightmaps hold their light.
     explicit LampSampler(const Tracer& tracer);
 
     bool empty() const { return tree_.empty(); }

@@ -182,7 +182,7 @@ void ScatteredOnce::sample(std::span<const Asked> points, vec3* radiance) const 
                 ways[1][k] = s->way;
             }
         }
-        if (!sky_.empty()) {
+        if (skyLights()) {
             const SkySampler::Sample s = sky_.sample(p.surface.n, vec2(p.places[2]));
             if (s.density > 0.0f && glm::dot(s.wi, p.side.n_g) > 0.0f) {
                 light[2][k] = arriving(s.wi, -1.0f, s.radiance / s.density);

@@ -37,9 +37,11 @@ class ScatteredOnce : public OutgoingLight {
     }
     // Whether there is more.
     bool choosing() const {
-        return !sky_.empty() ||
+        return skyLights() ||
                (lights_ != nullptr && !(lights_->lamps.empty() && lights_->punctual.empty()));
     }
+    // Whether the sky does more than to be seen.
+    bool skyLights() const { return !sky_.empty() && !scene().lightmapped; }
     bool lambertian(const Hit& hit) const {
         return isLambertian(scene().materials[scene().materials_of[hit.triangle]]);
     }

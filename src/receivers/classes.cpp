@@ -147,6 +147,10 @@ void classify(const Scene& scene, int sh_order, bool irradiance_only, Receivers&
             const LobePrediction& p = predictions().at(NoV, roughness);
             if (share * p.as_diffuse < kDiffuseBudget) {
                 receivers.orders[i] = shared::DIFFUSE_ORDER;
+            } else if (sh_order == kLobesByRays) {
+                ++too_glossy;
+                receivers.by_rays[i] = 1;
+                receivers.orders[i] = static_cast<int8_t>(shared::DIFFUSE_ORDER);
             } else if (share * p.truncated[order] > kTruncationBudget) {
                 const bool glossy = receivers.alpha(i) < kTooGlossy;
                 ++(glossy ? too_glossy : corrected);

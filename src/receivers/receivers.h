@@ -20,6 +20,8 @@ namespace sheen {
 constexpr int kNoMaterial = -1;
 /// Order of a receiver without a surface.
 constexpr int kNoOrder = -1;
+/// Asked for in place of an order: records have none, and rays say all of lobes that matter.
+constexpr int kLobesByRays = -1;
 
 /// What light receivers ask for, counted.
 struct ReceiverCounts {
@@ -110,7 +112,8 @@ struct Receivers {
 
 /// Those of a G-buffer, whose arrays become theirs, each classified (classes.h), with its lobe;
 /// `irradiance_only`: all as diffuse. None goes by rays where a given `sh_order` asks for its
-/// truncation; 0: orders by prediction. Environment error where there are too many lobes.
+/// truncation; 0: orders by prediction; kLobesByRays: all that are not diffuse do. Environment
+/// error where there are too many lobes.
 Receivers receiversOf(const Scene& scene, GBuffer gbuffer, int sh_order, bool irradiance_only);
 
 /// What the G-buffer says of them alone: of no class, without orders and lobes.

@@ -11,8 +11,10 @@
 namespace sheen {
 namespace {
 
+// Or lightmaps in their place.
 bool usesRecords(Method method) {
-    return method == Method::kRadiance || method == Method::kIrradiance;
+    return method == Method::kRadiance || method == Method::kIrradiance ||
+           method == Method::kLightmap;
 }
 
 bool emits(const Scene& scene) {
@@ -40,7 +42,7 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
         used[material] = true;
     }
     int order = 0;
-    for (size_t i = 0; i < used.size() && params.method == Method::kRadiance; ++i) {
+    for (size_t i = 0; i < used.size() && params.method != Method::kIrradiance; ++i) {
         if (used[i]) {
             order = std::max(order, materialOrder(scene, scene.materials[i], params.sh_order));
         }
@@ -57,7 +59,8 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
     const uint64_t each =
         kByRecords + masks + (params.aa > 1 ? kOfEdges : 0) + (emits(scene) ? kOfLamps : 0) +
         (order > shared::DIFFUSE_ORDER ? kByRays : 0) + (coated ? kByRays + kOfCoats : 0) +
-        kPerCoefficient * static_cast<uint64_t>(order * order);
+        (params.method == Method::kRadiance ? kPerCoefficient * static_cast<uint64_t>(order * order)
+                                            : 0);
     return (blended ? 2 : 1) * each * pixels + kDrawn * std::min<uint64_t>(pixels, kBandPixels);
 }
 

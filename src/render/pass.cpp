@@ -200,12 +200,10 @@ SplatBuffer splatStrays(SceneState& state, const ViewState& view, const RecordCa
     return splat;
 }
 
-// What samples of edges see, for what their pixels' middles do.
-ComposeCounts smoothEdges(SceneState& state, const ViewState& view, const RecordCache& cache,
-                          const PlacementParams& how, const HemisphereParams& hemisphere,
+// What samples of edges see, for what their pixels' middles do; `splat`: of the strays.
+ComposeCounts smoothEdges(const ViewState& view, const SplatBuffer& splat,
                           const LitReceivers& pixels, RenderResult& result) {
     const Receivers& strays = view.edges->strays;
-    const SplatBuffer splat = splatStrays(state, view, cache, how, hemisphere, result.stats);
     Image<vec3> specular;
     if (!view.stray_specular.pixels.empty()) {
         specular =
@@ -213,6 +211,12 @@ ComposeCounts smoothEdges(SceneState& state, const ViewState& view, const Record
     }
     result.stats.pixels_edges = static_cast<int>(view.edges->pixels.size());
     return blendEdges(*view.edges, pixels, {strays, splat, specular}, result.frame);
+}
+
+void addCoats(const ViewState& view, Frame& frame) {
+    for (size_t i = 0; i < view.of_coats.pixels.size(); ++i) {
+        frame.indirect.pixels[i] += view.of_coats.pixels[i];
+    }
 }
 
 void tell(const Placement& placement, const ErrorEstimate& estimate, const ComposeCounts& counts,
@@ -228,6 +232,27 @@ void tell(const Placement& placement, const ErrorEstimate& estimate, const Compo
 }
 
 }  // namespace
+
+void renderLightmaps(const RenderParams& params, const Scene& scene, const ViewState& view,
+                     RenderResult& result) {
+    StageSeconds& seconds = result.stats.seconds;
+    const Timer splat_timer;
+    const SplatBuffer splat = splatLightmaps(scene, view.receivers);
+    seconds.splat += splat_timer.seconds();
+    const Timer compose_timer;
+    const Image<vec3> specular = specularByRays(view, splat);
+    ComposeCounts counts =
+        compose(view.receivers, splat, specular, params.all_layers, result.frame);
+    if (view.edges) {
+        const SplatBuffer of_strays = splatLightmaps(scene, view.edges->strays);
+        counts.add(smoothEdges(view, of_strays, {view.receivers, splat, specular}, result));
+    }
+    addCoats(view, result.frame);
+    result.frame.weight = {};  // there are no records
+    result.stats.nonfinite_pixels = counts.nonfinite;
+    result.stats.negative_pixels = counts.negative;
+    seconds.compose += compose_timer.seconds();
+}
 
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
                 RenderResult& result) {
@@ -260,13 +285,12 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
         addErrorOfCut(estimate);
     }
     if (view.edges) {
-        counts.add(smoothEdges(state, view, placement.cache, how, hemisphere,
-                               {view.receivers, splat, specular}, result));
+        const SplatBuffer of_strays =
+            splatStrays(state, view, placement.cache, how, hemisphere, stats);
+        counts.add(smoothEdges(view, of_strays, {view.receivers, splat, specular}, result));
     }
     result.frame.caustic = view.caustic;
-    for (size_t i = 0; i < view.of_coats.pixels.size(); ++i) {
-        result.frame.indirect.pixels[i] += view.of_coats.pixels[i];
-    }
+    addCoats(view, result.frame);
     if (params.all_layers) {
         result.frame.records = countRecords(view.receivers, placement.cache, how.servingWeight());
     }

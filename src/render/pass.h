@@ -20,6 +20,11 @@ struct Pass {
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
                 RenderResult& result);
 
+/// The same of light that the scene's lightmaps hold, which must be lightmapped: no records, and no
+/// estimate.
+void renderLightmaps(const RenderParams& params, const Scene& scene, const ViewState& view,
+                     RenderResult& result);
+
 /// What a pass gathers with where the user has not said.
 HemisphereParams hemisphereOf(const HemisphereParams& wanted, GatherRoad road, float accuracy);
 /// How it places.

@@ -158,7 +158,9 @@ void renderInTime(const RenderParams& params, const Timer& timer, SceneState& st
 
 void renderView(const RenderParams& params, const Timer& timer, SceneState& state, ViewState& view,
                 RenderResult& result) {
-    if (params.target_error > 0.0) {
+    if (params.method == Method::kLightmap) {
+        renderLightmaps(params, state.scene, view, result);
+    } else if (params.target_error > 0.0) {
         renderToTarget(params, state, view, result);
     } else if (params.time_limit > 0.0) {
         renderInTime(params, timer, state, view, result);
@@ -193,7 +195,9 @@ RenderResult renderStateByCache(SceneState& state, const StageSeconds& made_in,
     stats.diffuse_share = counts.diffuse / seen;
     stats.corrected_share = counts.corrected / seen;
     stats.too_glossy_share = counts.too_glossy / seen;
-    stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
+    if (params.method != Method::kLightmap) {
+        stats.sh_order = nameOrders(state.scene, view.receivers.material_orders);
+    }
     stats.caustic_photons = view.caustic_photons;
     if (view.again) {
         stats.elements = view.again->keptCount();
@@ -232,6 +236,7 @@ bool smoothsEdges(Method method, GatherRoad road) {
             return true;
         case Method::kRadiance:
         case Method::kIrradiance:
+        case Method::kLightmap:
             return road == GatherRoad::kRays;
         case Method::kOctree:
         case Method::kDenoised:
@@ -242,7 +247,7 @@ bool smoothsEdges(Method method, GatherRoad road) {
 }
 
 bool findsCaustics(Method method, GatherRoad road) {
-    return method != Method::kDenoised && smoothsEdges(method, road);
+    return method != Method::kDenoised && method != Method::kLightmap && smoothsEdges(method, road);
 }
 
 Session::Session(const Scene& scene) : scene_(scene) {}
@@ -266,6 +271,19 @@ KeptRecords* Session::keptFor(const RenderParams& params) {
     return &kept_;
 }
 
+RenderResult Session::renderByState(const RenderParams& params, const Timer& timer,
+                                    KeptRecords* kept) {
+    viewOf(scene_, params);  // before anything is made for it
+    StageSeconds seconds;
+    if (!state_ || state_->road != params.gather_road || state_->backend != params.gl) {
+        state_.reset();  // never two of them in memory
+        state_ = std::make_unique<SceneState>(scene_, params.gather_road, params.gl, seconds);
+    }
+    RenderParams smoothed = params;
+    smoothed.specular.pixel_area = params.aa > 1;
+    return renderStateByCache(*state_, seconds, smoothed, timer, kept);
+}
+
 RenderResult Session::renderByMethod(const RenderParams& params) {
     const Timer timer;
     switch (params.method) {
@@ -279,8 +297,16 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             countPixels(result);
             return result;
         }
+        case Method::kLightmap: {
+            // What lightmaps lack is found by rays, and has been scattered often enough.
+            RenderParams by_rays = params;
+            by_rays.sh_order = kLobesByRays;
+            by_rays.bounces = 1;
+            by_rays.caustics = 0;
+            return renderByState(by_rays, timer, nullptr);
+        }
         case Method::kRadiance:
-        case Method::kIrradiance: {
+        case Method::kIrradiance:
             if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
                 throwUsage(
                     "--gather: records that are rasterised see no sky; use --gather ray, or "
@@ -289,17 +315,7 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
             if (params.gather_road == GatherRoad::kRaster && params.bounces != 1) {
                 throwUsage("--bounces: records that are rasterised have 1; use --gather ray");
             }
-            viewOf(scene_, params);  // before anything is made for it
-            StageSeconds seconds;
-            if (!state_ || state_->road != params.gather_road || state_->backend != params.gl) {
-                state_.reset();  // never two of them in memory
-                state_ =
-                    std::make_unique<SceneState>(scene_, params.gather_road, params.gl, seconds);
-            }
-            RenderParams smoothed = params;
-            smoothed.specular.pixel_area = params.aa > 1;
-            return renderStateByCache(*state_, seconds, smoothed, timer, keptFor(params));
-        }
+            return renderByState(params, timer, keptFor(params));
     }
     throw std::logic_error("unknown method");
 }
@@ -315,6 +331,13 @@ RenderResult Session::render(const RenderParams& params) {
         throwUsage(
             "--target-error: light that is kept by photons errs by up to 8%, whatever records do; "
             "use --kept-by elements");
+    }
+    if ((params.method == Method::kLightmap) != scene_.lightmapped) {
+        throwUsage("{}",
+                   scene_.lightmapped
+                       ? "--method: the scene is loaded to be seen by its lightmaps alone"
+                       : "--method lightmap: the scene has no lightmaps (MOZ_lightmap) for all "
+                         "its surfaces, or is loaded without them; sheen bake makes some");
     }
     checkRenderMemory(scene_, params);
     RenderResult result = renderByMethod(params);

@@ -12,6 +12,7 @@
 #include "cache/placement_params.h"
 #include "cache/record_field.h"
 #include "core/bounces.h"
+#include "core/timer.h"
 #include "gl/context.h"
 #include "glossy/specular_rays.h"
 #include "hemisphere/hemisphere.h"
@@ -24,7 +25,7 @@ namespace sheen {
 /// What keeps light of more bounces than one for what rays meet.
 enum class KeptBy { kElements, kPhotons };
 
-enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised, kHints };
+enum class Method { kRadiance, kIrradiance, kReference, kOctree, kDenoised, kHints, kLightmap };
 
 /// Everything that changes the image. Defaults were chosen by measurement
 /// (docs/decisions/placement.md).
@@ -183,6 +184,7 @@ class Session {
 
   private:
     RenderResult renderByMethod(const RenderParams& params);
+    RenderResult renderByState(const RenderParams& params, const Timer& timer, KeptRecords* kept);
     KeptRecords* keptFor(const RenderParams& params);
 
     const Scene& scene_;

@@ -110,6 +110,7 @@ bool SceneState::keepsCausticsApart(const RenderParams& params) const {
 
 void SceneState::relight() {
     again.reset();
+    lightmaps.reset();
     outgoing.reset();
     near.clear();
     lights.emplace(tracer);
@@ -121,6 +122,7 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
         return;
     }
     again.reset();
+    lightmaps.reset();
     outgoing.reset();  // made last: there are none where anything fails
     near = boxes;
     if (road == GatherRoad::kRaster) {
@@ -130,6 +132,9 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
     const StageTimer timer(seconds.gather);
     // The raster road gathers what lamps send, as light of surfaces.
     outgoing.emplace(tracer, road == GatherRoad::kRays ? &*lights : nullptr, near);
+    if (scene.lightmapped) {
+        lightmaps.emplace(*outgoing);
+    }
 }
 
 std::shared_ptr<const ScatteredAgain> SceneState::scatteredAgain(const Receivers& receivers,
@@ -187,7 +192,7 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     lightDirectly(state, gbuffer, seconds);
     std::optional<Receivers> coats;
     if (state.road == GatherRoad::kRays && !gbuffer.coat.empty() &&
-        params.method == Method::kRadiance) {
+        params.method != Method::kIrradiance) {
         coats = coatsOf(state.scene, gbuffer);
     }
     receivers = pixelsOf(state, params, std::move(gbuffer), seconds);
@@ -199,7 +204,9 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         before = takeWhole(*edges, share);
     }
     checkSplat(state.pool, receivers);
-    outgoing = ground != nullptr ? ground->outgoing : &*state.outgoing;
+    outgoing = ground != nullptr ? ground->outgoing
+               : state.lightmaps ? static_cast<const OutgoingLight*>(&*state.lightmaps)
+                                 : &*state.outgoing;
     if (params.bounces > 1 && ground == nullptr) {
         const StageTimer timer(seconds.bounces);
         again = state.scatteredAgain(receivers, params, kept != nullptr);

@@ -7,6 +7,7 @@
 #include "cache/fill.h"
 #include "gl/worker_pool.h"
 #include "glossy/specular_rays.h"
+#include "light/lightmap_light.h"
 #include "light/scattered_again.h"
 #include "raster/gpu_scene.h"
 #include "rays/tracer.h"
@@ -24,9 +25,10 @@ struct SceneState {
     bool specular;  // some surface is
     gl::WorkerPool pool;
     Tracer tracer;
-    std::optional<SceneLights> lights;      // always there
-    std::optional<ScatteredOnce> outgoing;  // what rays see of one bounce
-    GpuScene gpu;                           // empty where records use rays
+    std::optional<SceneLights> lights;       // always there
+    std::optional<ScatteredOnce> outgoing;   // what rays see of one bounce
+    std::optional<LightmapLight> lightmaps;  // what they see by Method::kLightmap, with `outgoing`
+    GpuScene gpu;                            // empty where records use rays
     std::vector<Bounds> near;  // that cells and shadow maps are made for: empty in most scenes
     /// Light kept on surfaces that serves the next view too, where records do.
     std::shared_ptr<const ScatteredAgain> again;

@@ -10,7 +10,7 @@ namespace {
 // Of a scene what time may change.
 struct Places {
     std::vector<vec3> positions, normals;
-    std::vector<vec2> uvs, second_uvs;
+    std::vector<vec2> uvs, second_uvs, lightmap_uvs;
     std::vector<vec4> colors, tangents;
     std::vector<uvec3> triangles;
     std::vector<uint32_t> materials_of;
@@ -28,6 +28,7 @@ void exchange(Places& places, Scene& scene) {
     std::swap(places.normals, scene.normals);
     std::swap(places.uvs, scene.uvs);
     std::swap(places.second_uvs, scene.second_uvs);
+    std::swap(places.lightmap_uvs, scene.lightmap_uvs);
     std::swap(places.colors, scene.colors);
     std::swap(places.tangents, scene.tangents);
     std::swap(places.triangles, scene.triangles);
@@ -51,9 +52,9 @@ bool sameBits(const std::vector<T>& a, const std::vector<T>& b) {
 bool sameScene(const Places& a, const Scene& b) {
     return sameBits(a.positions, b.positions) && sameBits(a.normals, b.normals) &&
            sameBits(a.uvs, b.uvs) && sameBits(a.second_uvs, b.second_uvs) &&
-           sameBits(a.colors, b.colors) && sameBits(a.tangents, b.tangents) &&
-           sameBits(a.triangles, b.triangles) && sameBits(a.materials_of, b.materials_of) &&
-           sameBits(a.lights, b.lights);
+           sameBits(a.lightmap_uvs, b.lightmap_uvs) && sameBits(a.colors, b.colors) &&
+           sameBits(a.tangents, b.tangents) && sameBits(a.triangles, b.triangles) &&
+           sameBits(a.materials_of, b.materials_of) && sameBits(a.lights, b.lights);
 }
 
 bool sameCamera(const Camera& a, const Camera& b) {

@@ -95,7 +95,7 @@ Camera seenFrom(const Scene& scene, const LoadParams& params) {
 }
 
 bool isDark(const Scene& scene) {
-    return scene.lights.empty() && scene.environment.empty() &&
+    return !scene.lightmapped && scene.lights.empty() && scene.environment.empty() &&
            std::all_of(scene.materials_of.begin(), scene.materials_of.end(),
                        [&](uint32_t material) { return !scene.materials[material].emits(); });
 }

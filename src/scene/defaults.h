@@ -13,7 +13,7 @@ Camera framingCamera(const Scene& scene);
 /// The camera that a view of one's own makes of the one it begins with (LoadParams::view).
 Camera seenFrom(const Scene& scene, const LoadParams& params);
 
-/// Whether nothing lights the scene: no light, no triangle that emits, no sky.
+/// Whether nothing lights the scene: no light, no triangle that emits, no sky, no lightmap.
 bool isDark(const Scene& scene);
 
 /// From above, to the left of that camera: fixed in the world, so that other views, animations and

@@ -44,6 +44,7 @@ const std::map<std::string, const char*> kExtensions = {
     {"KHR_texture_transform", kRight},
     {"KHR_xmp", kUnseen},
     {"KHR_xmp_json_ld", kUnseen},
+    {"MOZ_lightmap", "right: by sheen render, in place of light of its own; ignored by all else"},
     {"MSFT_texture_dds", kIgnored},
 };
 

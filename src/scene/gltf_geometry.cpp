@@ -17,7 +17,7 @@ struct Primitive {
     std::vector<vec3> positions;
     std::vector<vec3> normals;  // empty: flat
     std::vector<vec2> uvs;      // empty: zero
-    std::vector<vec2> second_uvs;
+    std::vector<vec2> second_uvs, lightmap_uvs;
     std::vector<vec4> colors;  // empty: white
     std::vector<vec4> tangents;
     std::vector<uvec3> triangles;
@@ -108,13 +108,14 @@ std::vector<uint32_t> indicesOf(File& file, const tinygltf::Primitive& source, s
 }
 
 Primitive readPrimitive(File& file, const tinygltf::Primitive& source,
-                        const std::vector<double>& weights, const std::string& where) {
+                        const std::vector<double>& weights, const LightmapUse& lightmap,
+                        const std::string& where) {
     const Integers quantized = file.uses("KHR_mesh_quantization") ? Integers::kAny : Integers::kNo;
-    const auto attribute = [&](const char* name) {
+    const auto attribute = [&](const std::string& name) {
         const auto found = source.attributes.find(name);
         return found == source.attributes.end() ? -1 : found->second;
     };
-    const auto check_count = [&](const char* name, size_t count, size_t expected) {
+    const auto check_count = [&](const std::string& name, size_t count, size_t expected) {
         if (count != expected) {
             file.fail(where, "{} has {} elements and POSITION {}; export the file again", name,
                       count, expected);
@@ -129,7 +130,7 @@ Primitive readPrimitive(File& file, const tinygltf::Primitive& source,
     primitive.positions = asVectors<vec3>(
         readFloats(file, attribute("POSITION"), 3, quantized, where + ", POSITION"));
     const size_t count = primitive.positions.size();
-    const auto read = [&](const char* name, auto& values, Integers integers) {
+    const auto read = [&](const std::string& name, auto& values, Integers integers) {
         if (source.attributes.count(name) == 0) {
             return;
         }
@@ -143,6 +144,9 @@ Primitive readPrimitive(File& file, const tinygltf::Primitive& source,
         quantized == Integers::kAny ? Integers::kAny : Integers::kNormalizedUnsigned;
     read("TEXCOORD_0", primitive.uvs, of_uvs);
     read("TEXCOORD_1", primitive.second_uvs, of_uvs);
+    if (lightmap.texture.used()) {
+        read(fmt::format("TEXCOORD_{}", lightmap.file_set), primitive.lightmap_uvs, of_uvs);
+    }
     if (source.attributes.count("COLOR_0") > 0) {
         primitive.colors = readColors(file, attribute("COLOR_0"), where + ", COLOR_0");
         check_count("COLOR_0", primitive.colors.size(), count);
@@ -302,6 +306,9 @@ void fillWhatWasLacking(const Primitive& primitive, Scene& scene) {
     if (!primitive.second_uvs.empty()) {
         scene.second_uvs.resize(scene.positions.size(), vec2(0.0f));
     }
+    if (!primitive.lightmap_uvs.empty()) {
+        scene.lightmap_uvs.resize(scene.positions.size(), vec2(0.0f));
+    }
     if (!primitive.colors.empty()) {
         scene.colors.resize(scene.positions.size(), vec4(1.0f));
     }
@@ -325,6 +332,7 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
     fillWhatWasLacking(primitive, scene);
     const bool with_tangents = !primitive.tangents.empty() || !scene.tangents.empty();
     const bool with_second_uvs = !primitive.second_uvs.empty() || !scene.second_uvs.empty();
+    const bool with_lightmap = !primitive.lightmap_uvs.empty() || !scene.lightmap_uvs.empty();
     const bool with_colors = !primitive.colors.empty() || !scene.colors.empty();
     const auto add_vertex = [&](uint32_t vertex, const vec3& normal) {
         const auto index = static_cast<uint32_t>(scene.positions.size());
@@ -333,6 +341,9 @@ void append(File& file, const Primitive& primitive, uint32_t material, Scene& sc
         scene.uvs.push_back(uv_of(primitive.uvs, vertex));
         if (with_second_uvs) {
             scene.second_uvs.push_back(uv_of(primitive.second_uvs, vertex));
+        }
+        if (with_lightmap) {
+            scene.lightmap_uvs.push_back(uv_of(primitive.lightmap_uvs, vertex));
         }
         if (with_colors) {
             scene.colors.push_back(primitive.colors.empty() ? vec4(1.0f)
@@ -392,7 +403,11 @@ void appendMesh(File& file, int mesh_index, const Pose& pose, Scene& scene) {
             file.at(file.model.materials, own, where, "material");
             material = static_cast<uint32_t>(own);
         }
-        Primitive primitive = readPrimitive(file, source, pose.weights, where);
+        LightmapUse& lightmap = scene.materials[material].lightmap;
+        Primitive primitive = readPrimitive(file, source, pose.weights, lightmap, where);
+        if (!primitive.positions.empty() && primitive.lightmap_uvs.empty()) {
+            lightmap = {};  // what the material has is of no use
+        }
         for (const TextureUse& use : scene.materials[material].textures) {
             if (use.used() && (use.uv_set == 0 ? primitive.uvs : primitive.second_uvs).empty()) {
                 file.notes.add(fmt::format(

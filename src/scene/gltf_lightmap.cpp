@@ -418,6 +418,9 @@ class Writer {
             }
             Json extension = use;
             extension["intensity"] = lightmap_.intensity;
+            if (!lightmap_.lights_baked) {
+                extension["extras"] = {{"direct", false}};  // as the loader asks
+            }
             material["extensions"]["MOZ_lightmap"] = std::move(extension);
             return;
         }

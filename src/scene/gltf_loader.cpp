@@ -79,6 +79,9 @@ void addEnvironment(File& file, const EnvironmentParams& environment, Scene& sce
     for (const std::string& warning : warnings) {
         file.notes.add(warning);
     }
+    if (scene.lightmapped) {
+        return;  // the sun's light is in them: it is seen where it is, and lights nothing
+    }
     if (const auto sun = takeOutSun(scene.environment)) {
         scene.lights.push_back(*sun);
         scene.light_names.push_back("sun");
@@ -131,11 +134,12 @@ void addView(const LoadParams& params, Scene& scene) {
 void read(File& file, const LoadParams& params, Scene& scene) {
     parse(file);
     chooseVariant(file, params.variant);
-    loadMaterials(file, scene);
+    loadMaterials(file, params.lightmaps, scene);
     checkMeshMemory(file);
     flatten(file, params, scene);
     finishPlaces(file, scene);
     dropIdleBlending(scene);
+    settleLightmaps(file, params.lightmaps, scene);
     separateCoplanar(file, scene);
 }
 

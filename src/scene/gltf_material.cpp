@@ -1,6 +1,7 @@
 // Materials: factors, and which textures vary them.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "scene/gltf_parts.h"
 
@@ -306,7 +307,21 @@ void makeUnlit(Material& material) {
     material.textures[shared::TEXTURE_EMISSION] = color;
 }
 
-Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
+// `direct`, in its extras, is Sheen's own: false where what lights and lamps send is not in it.
+void readLightmap(File& file, const tinygltf::Value& extension, const std::string& where,
+                  TextureLoader& loader, Material& material) {
+    LightmapUse& lightmap = material.lightmap;
+    lightmap.texture = loader.useLightmap(textureInfo(file, extension, where), where);
+    lightmap.file_set = std::max(std::exchange(lightmap.texture.uv_set, kLightmapUvs), 0);
+    lightmap.intensity = clampedFactor(file, numberMember(file, extension, "intensity", 1.0, where),
+                                       std::numeric_limits<float>::max(), where, "intensity");
+    if (extension.Has("extras") && extension.Get("extras").IsObject()) {
+        const tinygltf::Value& direct = extension.Get("extras").Get("direct");
+        lightmap.with_lamps = !direct.IsBool() || direct.Get<bool>();
+    }
+}
+
+Material loadMaterial(File& file, size_t index, bool lightmaps, TextureLoader& loader) {
     const tinygltf::Material& source = file.model.materials[index];
     const std::string where = label("material", index, source.name);
     Material material;
@@ -340,6 +355,10 @@ Material loadMaterial(File& file, size_t index, TextureLoader& loader) {
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_anisotropy")) {
         readAnisotropy(file, *extension, where, material);
+    }
+    if (const auto* extension = extensionOf(source, "MOZ_lightmap");
+        extension != nullptr && lightmaps && !unlit) {
+        readLightmap(file, *extension, where, loader, material);
     }
     if (unlit) {
         makeUnlit(material);
@@ -431,15 +450,49 @@ void dropIdleBlending(Scene& scene) {
     }
 }
 
-void loadMaterials(File& file, Scene& scene) {
+void loadMaterials(File& file, bool lightmaps, Scene& scene) {
     TextureLoader loader(file, scene);
     for (size_t i = 0; i < file.model.materials.size(); ++i) {
-        scene.materials.push_back(loadMaterial(file, i, loader));
+        scene.materials.push_back(loadMaterial(file, i, lightmaps, loader));
     }
     Material standard;
     standard.name = "default";
     standard.params = kStandard;
     scene.materials.push_back(standard);
+}
+
+void settleLightmaps(File& file, bool wanted, Scene& scene) {
+    if (!file.uses("MOZ_lightmap")) {
+        return;
+    }
+    if (!wanted) {
+        file.notes.add(
+            "the file's lightmaps are ignored: sheen render --method lightmap shows them");
+        return;
+    }
+    const Material* lacking = nullptr;
+    scene.lamps_baked = false;
+    for (const uint32_t index : scene.materials_of) {
+        const Material& material = scene.materials[index];
+        if (!material.unlit && !material.lightmap.texture.used()) {
+            lacking = &material;
+        }
+        scene.lamps_baked = scene.lamps_baked || (!material.unlit && material.lightmap.with_lamps);
+    }
+    scene.lightmapped = lacking == nullptr && !scene.materials_of.empty();
+    if (lacking != nullptr) {
+        file.notes.add(fmt::format(
+            "the file's lightmaps are ignored: {} has none, or a mesh of it no coordinates for it; "
+            "bake all of the scene",
+            lacking->name));
+    }
+    if (!scene.lightmapped) {
+        scene.lamps_baked = false;
+        scene.lightmap_uvs.clear();
+        for (Material& material : scene.materials) {
+            material.lightmap = {};
+        }
+    }
 }
 
 }  // namespace sheen::gltf

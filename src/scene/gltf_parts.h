@@ -206,12 +206,18 @@ class TextureLoader {
     TextureLoader(File& file, Scene& scene);
     /// `owner`: the material, for errors.
     TextureUse use(const TextureInfo& info, bool srgb, const std::string& owner);
+    /// Likewise of a lightmap, whose colours are linear light and whose coordinates, of any set,
+    /// become Scene::lightmap_uvs.
+    TextureUse useLightmap(const TextureInfo& info, const std::string& owner);
     /// The roughness that is left by a texture's alpha times a glossiness, as a texture of its own.
     TextureUse roughnessOf(const TextureUse& gloss, float glossiness);
     /// A texture whose green is mixed from `lower` to `upper`, of at most 1, likewise.
     TextureUse withGreenBetween(const TextureUse& use, float lower, float upper);
 
   private:
+    template <class Read>
+    TextureUse unlessBroken(const TextureInfo& info, const Read& read);
+    TextureUse placed(const TextureInfo& info, const std::string& owner) const;
     TextureUse usable(const TextureInfo& info, bool srgb, const std::string& owner);
     template <class Green>
     TextureUse remade(const TextureUse& use, const Green& green);
@@ -230,8 +236,12 @@ void chooseVariant(File& file, const std::string& name);
 int materialOf(const File& file, const tinygltf::Primitive& primitive, const std::string& where);
 
 /// All materials of the file, in its order, and the glTF default material behind them, with the
-/// textures they use.
-void loadMaterials(File& file, Scene& scene);
+/// textures they use; their lightmaps where these are asked for.
+void loadMaterials(File& file, bool lightmaps, Scene& scene);
+
+/// Once meshes are loaded: fills Scene::lightmapped and lamps_baked where lightmaps were asked for
+/// and all that scatters light has one; else there are none, and a note says why.
+void settleLightmaps(File& file, bool wanted, Scene& scene);
 
 /// Makes opaque what is blended and opaque all over, as exporters write it.
 void dropIdleBlending(Scene& scene);

@@ -77,6 +77,7 @@ void makeTangents(Scene& scene, size_t first_triangle) {
                     appendCopy(scene.normals, t[corner]);
                     appendCopy(scene.uvs, t[corner]);
                     appendCopy(scene.second_uvs, t[corner]);
+                    appendCopy(scene.lightmap_uvs, t[corner]);
                     appendCopy(scene.colors, t[corner]);
                     scene.tangents.emplace_back(0.0f, 0.0f, 0.0f, -1.0f);
                 }

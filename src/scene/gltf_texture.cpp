@@ -238,12 +238,13 @@ int TextureLoader::load(int index, bool srgb, const std::string& owner) {
     return static_cast<int>(known - scene_.textures.begin());
 }
 
-TextureUse TextureLoader::use(const TextureInfo& info, bool srgb, const std::string& owner) {
+template <class Read>
+TextureUse TextureLoader::unlessBroken(const TextureInfo& info, const Read& read) {
     if (info.index == -1) {
         return {};
     }
     try {
-        return usable(info, srgb, owner);
+        return read();
     } catch (const Error& error) {
         if (error.code() != ExitCode::kInput) {
             throw;
@@ -253,6 +254,18 @@ TextureUse TextureLoader::use(const TextureInfo& info, bool srgb, const std::str
                                     std::string(error.what()).substr(file_.path.size() + 2)));
         return {};
     }
+}
+
+TextureUse TextureLoader::use(const TextureInfo& info, bool srgb, const std::string& owner) {
+    return unlessBroken(info, [&] { return usable(info, srgb, owner); });
+}
+
+TextureUse TextureLoader::useLightmap(const TextureInfo& info, const std::string& owner) {
+    return unlessBroken(info, [&] {
+        TextureUse use = placed(info, owner);
+        use.texture = load(info.index, false, owner);
+        return use;
+    });
 }
 
 // Of an image in linear light whose green is green(texel), blue and alpha white.
@@ -287,14 +300,20 @@ TextureUse TextureLoader::withGreenBetween(const TextureUse& use, float lower, f
     return remade(use, [&](const vec4& texel) { return glm::mix(lower, upper, texel.y); });
 }
 
-// Input error where any part of it is broken.
-TextureUse TextureLoader::usable(const TextureInfo& info, bool srgb, const std::string& owner) {
+// Where it is looked up, by coordinates of any set. Input error where any part of it is broken.
+TextureUse TextureLoader::placed(const TextureInfo& info, const std::string& owner) const {
     TextureUse use;
     use.uv_set = info.uv_set;
     if (info.transform.IsObject()) {
         readTransform(file_, info.transform, owner, use);
         use.uv_set = integerMember(file_, info.transform, "texCoord", use.uv_set, owner);
     }
+    return use;
+}
+
+// Likewise.
+TextureUse TextureLoader::usable(const TextureInfo& info, bool srgb, const std::string& owner) {
+    TextureUse use = placed(info, owner);
     if (use.uv_set != 0 && use.uv_set != 1) {
         file_.notes.add(fmt::format("TEXCOORD_{} is not supported: material textured by TEXCOORD_0",
                                     use.uv_set));

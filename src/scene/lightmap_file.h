@@ -19,7 +19,8 @@ struct LightmapFile {
     /// colours that are shown as they are, instead of all that materials had (unlit).
     bool unlit = false;
     float intensity = 1.0f;
-    /// Whether the punctual lights are in the image, so that the file has to do without.
+    /// Whether what lights and lamps send is in the image, so that the file has to do without
+    /// punctual ones.
     bool lights_baked = false;
 };
 

@@ -21,7 +21,9 @@ float area2Of(const Scene& scene, uint32_t triangle) {
 // Where each of a material's textures is looked up.
 vec2 uvOf(const Scene& scene, uint32_t triangle, const vec3& barycentric, const TextureUse& use) {
     const uvec3& t = scene.triangles[triangle];
-    const std::vector<vec2>& uvs = use.uv_set == 1 ? scene.second_uvs : scene.uvs;
+    const std::vector<vec2>& uvs = use.uv_set == kLightmapUvs ? scene.lightmap_uvs
+                                   : use.uv_set == 1          ? scene.second_uvs
+                                                              : scene.uvs;
     if (uvs.empty()) {
         return use.transform.offset;
     }
@@ -189,6 +191,11 @@ vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric, 
         emission *= vec3(vertexColorAt(scene, triangle, barycentric));
     }
     return emission;
+}
+
+vec3 lightmapAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
+    const LightmapUse& lightmap = scene.materials[scene.materials_of[triangle]].lightmap;
+    return lightmap.intensity * vec3(texelAt(scene, triangle, barycentric, lightmap.texture));
 }
 
 float coverageAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {

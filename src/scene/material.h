@@ -25,10 +25,13 @@ inline bool isSpecular(const Brdf& brdf) {
     return brdf.alpha < kSpecularAlpha && (brdf.f90 > 0.0f || brdf.f0 != vec3(0.0f));
 }
 
+/// Of a texture that is looked up by Scene::lightmap_uvs.
+constexpr int kLightmapUvs = 2;
+
 /// One of a material's textures.
 struct TextureUse {
     int texture = -1;  ///< index into Scene::textures; -1: none, white
-    int uv_set = 0;    ///< which coordinates of the vertices: 0 or 1
+    int uv_set = 0;    ///< which coordinates of the vertices: 0, 1 or kLightmapUvs
     shared::TextureTransform transform{.row_u = {1, 0}, .row_v = {0, 1}, .offset = {0, 0}};
 
     bool used() const { return texture >= 0; }
@@ -38,6 +41,14 @@ struct TextureUse {
                transform.row_v == other.transform.row_v &&
                transform.offset == other.transform.offset;
     }
+};
+
+/// Baked light (MOZ_lightmap).
+struct LightmapUse {
+    TextureUse texture = {};  ///< irradiance, of which 1 stands for `intensity`
+    float intensity = 1.0f;   ///< lux
+    int file_set = 0;         ///< which TEXCOORD of the file Scene::lightmap_uvs are
+    bool with_lamps = true;   ///< what lamps send is in it, and not the surroundings' light alone
 };
 
 struct Material {
@@ -55,6 +66,7 @@ struct Material {
     TextureUse fibre_roughness_texture = {};  ///< alpha
     /// Shows its colour whatever the light: that is its emission, and it scatters nothing.
     bool unlit = false;
+    LightmapUse lightmap = {};  ///< none unless Scene::lightmapped
 
     /// Its back is not seen by cameras; it hides and scatters light like its front.
     bool single_sided = false;

@@ -41,8 +41,9 @@ struct Scene {
     std::vector<vec3> normals;  ///< unit
     std::vector<vec2> uvs;      ///< zero where the mesh has none
     // Empty where no mesh has them.
-    std::vector<vec2> second_uvs;  ///< likewise
-    std::vector<vec4> colors;      ///< linear light and alpha, of 1; white where the mesh has none
+    std::vector<vec2> second_uvs;    ///< likewise
+    std::vector<vec2> lightmap_uvs;  ///< likewise, of materials' lightmaps
+    std::vector<vec4> colors;  ///< linear light and alpha, of 1; white where the mesh has none
     /// Of normal maps (Material::tangentTexture()): unit, along growing u, and in w the sign of the
     /// bitangent; zero where a mesh has no such map.
     std::vector<vec4> tangents;
@@ -56,6 +57,10 @@ struct Scene {
     std::vector<PunctualLight> lights;
     std::vector<std::string> light_names;
     Environment environment;
+    /// Every surface that scatters light has it in a lightmap, by LoadParams::lightmaps. The sky
+    /// then lights nothing but what mirrors it, and so do lamps where `lamps_baked`: rays see both.
+    bool lightmapped = false;
+    bool lamps_baked = false;
     std::vector<Camera> cameras;
     Bounds bounds;
     /// Of world space, in the file's coordinates: not zero where the camera stands far from theirs.
@@ -109,6 +114,9 @@ struct LoadParams {
     EnvironmentParams environment = {};
     /// Whether to fill Scene::sources.
     bool sources = false;
+    /// Whether surfaces are to be seen by the file's lightmaps: Scene::lightmapped, where it has
+    /// them for all that scatter light. Else they are ignored, and a warning says so.
+    bool lightmaps = false;
 };
 
 /// Loads a .glb or .gltf file: geometry with its transforms, materials with their textures, cameras
@@ -166,6 +174,12 @@ bool maybeSpecular(const Scene& scene, const Material& material);
 /// What the point emits, nits: the emission of materialAt(), for less.
 vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                 float footprint = 0.0f);
+
+/// What a lightmap says of the irradiance of a point's front, lux; the material must have one.
+vec3 lightmapAt(const Scene& scene, uint32_t triangle, const vec3& barycentric);
+
+/// Of the point of a triangle nearest to p in its plane, by its vertices, each clamped to 0..1.
+vec3 barycentricOf(const Scene& scene, uint32_t triangle, const vec3& p);
 
 /// What share of the light the surface meets at a point, to which it does what its material says;
 /// the rest passes. 1 without alpha; by a mask 0 or 1; where it is blended, its alpha.

@@ -1,6 +1,7 @@
 #include "sh/projection.h"
 
 #include <cmath>
+#include <span>
 
 #include "core/error.h"
 
@@ -61,21 +62,39 @@ std::vector<double> gramMatrix(const ProjectionParams& p) {
     return gram;
 }
 
-// The footprints and the normal equations are integrated by different quadratures; what that leaves
-// of the response to constant light is taken out in proportion to the texels' solid angles.
-void makeConstantExact(const Hemisphere& hemisphere, int order, std::vector<double>& matrix) {
+// What quadratures leave of the response to constant light, which is to be `wanted`, is taken out
+// in proportion to the texels' solid angles.
+void makeConstantExact(const Hemisphere& hemisphere, std::span<const double> wanted,
+                       std::vector<double>& matrix) {
     const auto texels = static_cast<size_t>(hemisphere.texelCount());
-    for (int k = 0; k < order * order; ++k) {
-        double* row = &matrix[static_cast<size_t>(k) * texels];
+    for (size_t k = 0; k < wanted.size(); ++k) {
+        double* row = &matrix[k * texels];
         double response = 0.0;
         for (size_t t = 0; t < texels; ++t) {
             response += row[t];
         }
-        const double wanted = k == 0 ? std::sqrt(4.0 * kPi) : 0.0;
         for (size_t t = 0; t < texels; ++t) {
-            row[t] += (wanted - response) * hemisphere.solid_angles[t] / (2.0 * kPi);
+            row[t] += (wanted[k] - response) * hemisphere.solid_angles[t] / (2.0 * kPi);
         }
     }
+}
+
+// The integral of the basis over the upper hemisphere: with m = 0 that of a Legendre polynomial,
+// (P_l-1(0) - P_l+1(0)) / (2 l + 1) over z in [0, 1]; with others zero.
+std::vector<double> hemisphereIntegrals(int order) {
+    const auto size = static_cast<size_t>(order);
+    std::vector<double> at_zero(size + 1, 0.0);  // P_l(0)
+    at_zero[0] = 1.0;
+    for (size_t l = 1; l < size; ++l) {
+        at_zero[l + 1] = -static_cast<double>(l) / static_cast<double>(l + 1) * at_zero[l - 1];
+    }
+    std::vector<double> integrals(size * size, 0.0);
+    for (size_t l = 0; l < size; ++l) {
+        const auto width = static_cast<double>(2 * l + 1);
+        const double legendre = l == 0 ? 1.0 : (at_zero[l - 1] - at_zero[l + 1]) / width;
+        integrals[l * (l + 1)] = std::sqrt(kPi * width) * legendre;
+    }
+    return integrals;
 }
 
 }  // namespace
@@ -108,9 +127,25 @@ std::vector<float> projectionMatrix(const Hemisphere& hemisphere, const Projecti
     solveSpd(count, gramMatrix(params), rhs, texels);
     if (hemisphere.params.kind == HemisphereKind::kBorder ||
         hemisphere.params.kind == HemisphereKind::kHemicube) {
-        makeConstantExact(hemisphere, params.order, rhs);
+        // The footprints and the normal equations are integrated by different quadratures.
+        std::vector<double> wanted(static_cast<size_t>(count), 0.0);
+        wanted[0] = std::sqrt(4.0 * kPi);
+        makeConstantExact(hemisphere, wanted, rhs);
     }
     return {rhs.begin(), rhs.end()};
+}
+
+std::vector<float> integralMatrix(const Hemisphere& hemisphere, int order) {
+    SHEEN_CHECK(order >= 1 && order <= shared::SH_MAX_ORDER);
+    const int texels = hemisphere.texelCount();
+    std::vector<double> matrix(static_cast<size_t>(order * order) * static_cast<size_t>(texels));
+    for (int texel = 0; texel < texels; ++texel) {
+        for (const FootprintSample& s : footprint(hemisphere, texel)) {
+            addBasis(s.direction, s.solid_angle, order, texel, texels, matrix);
+        }
+    }
+    makeConstantExact(hemisphere, hemisphereIntegrals(order), matrix);
+    return {matrix.begin(), matrix.end()};
 }
 
 }  // namespace sheen

@@ -21,4 +21,10 @@ struct ProjectionParams {
 /// Coefficients [coefficient][texel] in the record's local frame: c = matrix * radiance.
 std::vector<float> projectionMatrix(const Hemisphere& hemisphere, const ProjectionParams& params);
 
+/// The same of light that comes from the hemisphere and from nowhere below it: each texel's
+/// radiance times the integral of the basis over it. Those of two opposite hemispheres add up to
+/// those of the whole sphere. Constant light is projected exactly; of hemispheres whose texels
+/// cover all of it.
+std::vector<float> integralMatrix(const Hemisphere& hemisphere, int order);
+
 }  // namespace sheen

@@ -41,6 +41,15 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const Receivers& receivers, const Rec
 SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
                      const WeightParams& weight);
 
+/// What records say of the light above each receiver: [coefficient] of `order` bands, radiance in
+/// world space; black where none serves it. All records must have as many bands.
+std::vector<Image<vec3>> splatSh(const Receivers& receivers, const RecordCache& cache,
+                                 const WeightParams& weight, int order);
+
+/// What the scene's lightmaps, of which each receiver's surface has one unless it is unlit, say of
+/// the irradiance, in place of records.
+SplatBuffer splatLightmaps(const Scene& scene, const Receivers& receivers);
+
 /// What the lobes of pixels that rays correct reflect by the records alone; black elsewhere.
 Image<vec3> cachedSpecular(const Receivers& receivers, const SplatBuffer& splat);
 

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <span>
+#include <vector>
 
 #include "cache/record_tree.h"
 #include "core/parallel.h"
@@ -39,45 +41,104 @@ class Nearby {
     RecordTree tree_;
 };
 
+// A record that serves a receiver.
+struct Serving {
+    const Record& record;
+    float weight;
+};
+
+// Calls body(i, records), in their order, for each receiver with a surface, many at once.
+template <class F>
+void forReceivers(const Receivers& receivers, const RecordCache& cache, const WeightParams& weight,
+                  const F& body) {
+    const Nearby nearby(cache, weight);
+    parallelFor(receivers.image.height, [&](int y) {
+        std::vector<Serving> serving;
+        for (int x = 0; x < receivers.image.width; ++x) {
+            const size_t i = receivers.image.index(x, y);
+            if (receivers.orders[i] == kNoOrder) {
+                continue;
+            }
+            serving.clear();
+            for (const size_t near : nearby.at(receivers.positions[i])) {
+                const Record& k = cache.records[near];
+                const float w =
+                    serves(k.order, receivers.orders[i]) ? weightAt(receivers, i, k, weight) : 0.0f;
+                if (w > 0.0f) {
+                    serving.push_back({k, w});
+                }
+            }
+            body(i, serving);
+        }
+    });
+}
+
 }  // namespace
 
 SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
                      const WeightParams& weight) {
     const Image<vec4> none(receivers.image.width, receivers.image.height);
     SplatBuffer result{none, none, none};
-    const Nearby nearby(cache, weight);
-    parallelFor(receivers.image.height, [&](int y) {
-        for (int x = 0; x < receivers.image.width; ++x) {
-            const size_t i = receivers.image.index(x, y);
-            const int order = receivers.orders[i];
-            const vec3& p = receivers.positions[i];
-            const shared::ShVector lobe =
-                order > shared::DIFFUSE_ORDER ? receivers.lobes.at(i, order) : shared::ShVector{};
-            if (order == kNoOrder) {
-                continue;
+    forReceivers(receivers, cache, weight, [&](size_t i, std::span<const Serving> serving) {
+        const int order = receivers.orders[i];
+        const bool reflects = order > shared::DIFFUSE_ORDER && !receivers.irradiance_only;
+        const shared::ShVector lobe = reflects ? receivers.lobes.at(i, order) : shared::ShVector{};
+        for (const auto& [k, w] : serving) {
+            result.irradiance.pixels[i] += vec4(w * irradianceBy(receivers, i, k), w);
+            if (static_cast<int>(k.material) == receivers.materials[i]) {
+                result.missed.pixels[i] += vec4(w * shared::recordMissed(k), w);
             }
-            for (const size_t near : nearby.at(p)) {
-                const Record& k = cache.records[near];
-                if (!serves(k.order, order)) {
-                    continue;
-                }
-                const float w = weightAt(receivers, i, k, weight);
-                if (w <= 0.0f) {
-                    continue;
-                }
-                result.irradiance.pixels[i] += vec4(w * irradianceBy(receivers, i, k), w);
-                if (static_cast<int>(k.material) == receivers.materials[i]) {
-                    result.missed.pixels[i] += vec4(w * shared::recordMissed(k), w);
-                }
-                if (order > shared::DIFFUSE_ORDER) {
-                    const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
-                    result.specular.pixels[i] +=
-                        vec4(w * convolveRecord(k, sh, lobe.c, order, p), 0.0f);
-                }
+            if (reflects) {
+                const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
+                result.specular.pixels[i] +=
+                    vec4(w * convolveRecord(k, sh, lobe.c, order, receivers.positions[i]), 0.0f);
             }
         }
     });
     return result;
+}
+
+std::vector<Image<vec3>> splatSh(const Receivers& receivers, const RecordCache& cache,
+                                 const WeightParams& weight, int order) {
+    const auto size = static_cast<size_t>(order * order);
+    std::vector<Image<vec3>> sums(size, Image<vec3>(receivers.image.width, receivers.image.height));
+    forReceivers(receivers, cache, weight, [&](size_t i, std::span<const Serving> serving) {
+        float weights = 0.0f;
+        for (const Serving& s : serving) {
+            weights += s.weight;
+        }
+        std::vector<float> one(size, 0.0f);
+        for (const auto& [k, w] : serving) {
+            const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
+            for (size_t c = 0; c < size; ++c) {
+                one[c] = 1.0f;
+                sums[c].pixels[i] +=
+                    w / weights * convolveRecord(k, sh, one.data(), order, receivers.positions[i]);
+                one[c] = 0.0f;
+            }
+        }
+    });
+    return sums;
+}
+
+SplatBuffer splatLightmaps(const Scene& scene, const Receivers& receivers) {
+    SplatBuffer splat;
+    splat.irradiance = Image<vec4>(receivers.image.width, receivers.image.height);
+    parallelFor(receivers.image.height, [&](int y) {
+        for (size_t i = receivers.image.index(0, y); i < receivers.image.index(0, y + 1); ++i) {
+            if (!receivers.seen(i)) {
+                continue;
+            }
+            const uint32_t triangle = receivers.triangles[i];
+            const bool lit = !scene.materials[scene.materials_of[triangle]].unlit;
+            splat.irradiance.pixels[i] =
+                vec4(lit ? lightmapAt(scene, triangle,
+                                      barycentricOf(scene, triangle, receivers.positions[i]))
+                         : vec3(0.0f),
+                     1.0f);
+        }
+    });
+    return splat;
 }
 
 Image<float> countRecords(const Receivers& receivers, const RecordCache& cache,
