@@ -261,8 +261,8 @@ std::optional<PhotonTracer::WayOn> PhotonTracer::scatter(const Flight& arrived, 
 }
 
 // Along a way on, of which as much goes on as the surface reflects. Photons carry what the integral
-// over paths from the eye has: shading normals count on the side of the light, geometric ones on the
-// other [Vea97, 5.3].
+// over paths from the eye has: shading normals count on the side of the light, geometric ones on
+// the other [Vea97, 5.3].
 std::optional<Flight> PhotonTracer::leave(const Flight& arrived, const SurfacePoint& p,
                                           const Scatterer& surface, const vec3& start,
                                           uint32_t use) const {
