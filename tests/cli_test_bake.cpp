@@ -72,7 +72,9 @@ TEST_F(CliBakeTest, lightProbes) {
 
 TEST_F(CliBakeTest, directionsGoIntoExrAlone) {
     ASSERT_EQ(call("bake scene.gltf --size 32 -q --directional -o a.exr -o a.glb").code, 0);
-    EXPECT_EQ(call("compare a.exr a.exr --layer sh3").code, 0);
+    for (const char* channel : {"sh0.R", "sh3.B"}) {
+        EXPECT_NE(textOf(file("a.exr")).find(channel), std::string::npos) << channel;
+    }
     expectError("bake scene.gltf --directional -o b.glb", ExitCode::kUsage, "no output is a .exr");
     expectError("bake scene.gltf --directional --method reference -o b.exr", ExitCode::kUsage,
                 "finds irradiance alone");
