@@ -96,6 +96,23 @@ TEST(LightProbes, aSmallLampIsAsASun) {
 }
 
 // All walls shine and scatter half: radiance is 2 everywhere, half of it straight from walls.
+// A probe stands for its cell: a light in it is as one on the cell's edge, and none at the probe.
+TEST(LightProbes, lightsInTheirCellsAreNotEndless) {
+    Scene scene;
+    addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(0.0f))), true);
+    for (const float x : {0.0f, 1e-6f, 0.01f, 0.5f}) {
+        for (const float candela : {1.0f, 1e30f}) {
+            scene.lights = {pointLight(vec3(x, 0, 0), vec3(candela))};
+            const ShLight light = probesOf(scene, one()).light[0];
+            for (const vec3& c : light) {
+                EXPECT_TRUE(finite(c)) << x;
+            }
+            // One cell, two wide: what is nearer than one counts as if it were one away.
+            EXPECT_LE(light[0].x, 1.01f * candela * shared::shBasis(vec3(1, 0, 0), 1).c[0]) << x;
+        }
+    }
+}
+
 TEST(LightProbes, aFurnaceAddsUpAllBounces) {
     Scene scene;
     addBox(scene, vec3(-1), vec3(1), addMaterial(scene, diffuseParams(vec3(0.5f), vec3(1.0f))),

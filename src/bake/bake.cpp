@@ -64,7 +64,7 @@ void addDirectSh(const Tracer& tracer, const SceneLights& lights, const Receiver
                 continue;
             }
             const ShLight light =
-                directAround(tracer, lights, receivers.sideAt(tracer.scene(), i), false,
+                directAround(tracer, lights, receivers.sideAt(tracer.scene(), i), 0.0f,
                              kDirectionalOrder, pcgHash(static_cast<uint32_t>(i)));
             for (size_t k = 0; k < light.size(); ++k) {
                 sh[k].pixels[i] += light[k];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 
 #include "bake/bake_light.h"
 #include "bake/solids.h"
@@ -76,14 +77,16 @@ void addGathered(Gatherer& gatherer, const FreePoints& free, bool quiet, LightPr
     probes.stats.records = static_cast<int>(2 * points.size());
 }
 
-void addDirect(const Tracer& tracer, const SceneLights& lights, const FreePoints& free,
-               LightProbes& probes) {
+void addDirect(const Tracer& tracer, const SceneLights& lights, const HintLattice& lattice,
+               const FreePoints& free, LightProbes& probes) {
+    const float radius = std::max(0.5f * std::min({lattice.cell.x, lattice.cell.y, lattice.cell.z}),
+                                  std::numeric_limits<float>::min());
     parallelFor(static_cast<int>(free.points.size()), [&](int k) {
         const auto i = static_cast<size_t>(k);
         const vec3 up(0.0f, 1.0f, 0.0f);
         const SurfaceSide point = {
             .position = free.points[i], .n_g = up, .toward_viewer = up, .offset = 0.0f};
-        add(directAround(tracer, lights, point, true, kLightProbeOrder,
+        add(directAround(tracer, lights, point, radius, kLightProbeOrder,
                          pcgHash(static_cast<uint32_t>(free.of[i]))),
             probes.light[free.of[i]]);
     });
@@ -171,7 +174,7 @@ LightProbes bakeLightProbes(const Tracer& tracer, const HintLattice& lattice,
     probes.stats.seconds_gather = gather.seconds();
     if (!params.indirect_only) {
         const Timer direct;
-        addDirect(tracer, light.lights, free, probes);
+        addDirect(tracer, light.lights, lattice, free, probes);
         probes.stats.seconds_direct = direct.seconds();
     }
     fillSolid(lattice, probes);

@@ -18,6 +18,7 @@ constexpr double kWriteShare = 0.03;
 ExitCode runRender(RenderOptions& o) {
     const Timer total;
     const FileKind kind = understand(o);
+    allowLightmaps(o);
     setThreadCount(o.threads);
 
     const Timer load;

@@ -438,6 +438,10 @@ void understandFrame(RenderOptions& o) {
     o.settings = settingsOf(o);
 }
 
+void allowLightmaps(RenderOptions& o) {
+    o.load.lightmaps = o.load.lightmaps || o.method_option->count() == 0;
+}
+
 void understandFile(RenderOptions& o, const Scene& scene) {
     if (o.method_option->count() == 0 && scene.lightmapped) {
         o.method = "lightmap";
@@ -448,7 +452,6 @@ void understandFile(RenderOptions& o, const Scene& scene) {
 
 FileKind understand(RenderOptions& o) {
     understandFrame(o);
-    o.load.lightmaps = o.load.lightmaps || o.method_option->count() == 0;
     o.output = o.output.empty() ? defaultOutput(o.scene) : o.output;
     const FileKind kind = imageKind(o.output);
     checkFileOptions(o, kind);

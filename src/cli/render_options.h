@@ -65,11 +65,12 @@ void addRenderOptions(CLI::App& app, RenderOptions& o);
 /// does not go together.
 void understandFrame(RenderOptions& o);
 
-/// The same, and `output`; returns what file that is to be. Where no method is given the file may
-/// have lightmaps: understandFile() is to follow.
+/// The same, and `output`; returns what file that is to be.
 FileKind understand(RenderOptions& o);
 
-/// What the others say where the scene that was loaded chooses the method.
+/// Where no method is given, the scene may choose to be seen by its lightmaps: before it is loaded.
+void allowLightmaps(RenderOptions& o);
+/// And afterwards: what the others say where it has.
 void understandFile(RenderOptions& o, const Scene& scene);
 
 bool tracesPaths(Method method);

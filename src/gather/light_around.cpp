@@ -83,11 +83,19 @@ std::vector<ShLight> gatherAround(Gatherer& gatherer, std::span<const vec3> poin
 }
 
 ShLight directAround(const Tracer& tracer, const SceneLights& lights, const SurfaceSide& point,
-                     bool in_air, int order, uint32_t seed) {
+                     float radius, int order, uint32_t seed) {
+    const bool in_air = radius > 0.0f;
     ShLight sum(static_cast<size_t>(order * order), vec3(0.0f));
     const vec3 start = in_air ? point.position : point.start();
     for (const PunctualLight& light : tracer.scene().lights) {
-        const LightSample s = shared::sampleLight(light, point.position);
+        LightSample s = shared::sampleLight(light, point.position);
+        if (in_air && s.distance >= 0.0f) {
+            const float nearness = std::min(s.distance / radius, 1.0f);
+            s.irradiance *= nearness * nearness;
+        }
+        if (s.wi == vec3(0.0f) || !finite(s.irradiance)) {
+            continue;  // it lies there, or so near that no number tells
+        }
         if (s.irradiance == vec3(0.0f) || (!in_air && glm::dot(s.wi, point.n_g) <= 0.0f)) {
             continue;
         }

@@ -19,9 +19,10 @@ using ShLight = std::vector<vec3>;
 std::vector<ShLight> gatherAround(Gatherer& gatherer, std::span<const vec3> points, int order);
 
 /// What arrives straight from lights and lamps at a point: from above the surface's side that it
-/// lies on or, where `in_air`, from all around. Punctual lights are asked one by one; lamps by
-/// samples, whose random numbers `seed` decides.
+/// lies on, or, where `radius` is above 0, from all around a point in the air that stands for as
+/// much: punctual lights that are nearer count as if they were that far off. They are asked one by
+/// one; lamps by samples, whose random numbers `seed` decides.
 ShLight directAround(const Tracer& tracer, const SceneLights& lights, const SurfaceSide& point,
-                     bool in_air, int order, uint32_t seed);
+                     float radius, int order, uint32_t seed);
 
 }  // namespace sheen

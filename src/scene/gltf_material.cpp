@@ -209,7 +209,10 @@ void readVolume(File& file, const tinygltf::Value& extension, const std::string&
     const float distance = factor("attenuationDistance", 0.0);  // without, none absorbs
     if (factor("thicknessFactor", 0.0) > 0.0f && distance > 0.0f && material.transmits()) {
         constexpr float kDarkest = 1e-6f;  // a channel that nothing is left of
-        material.absorption = -glm::log(glm::max(color, vec3(kDarkest))) / distance;
+        constexpr float kMost =
+            1e9f;  // per unit of length: nothing is left, and no product overflows
+        material.absorption =
+            glm::min(-glm::log(glm::max(color, vec3(kDarkest))) / distance, vec3(kMost));
     }
 }
 

@@ -195,6 +195,9 @@ vec3 emissionAt(const Scene& scene, uint32_t triangle, const vec3& barycentric, 
 
 vec3 lightmapAt(const Scene& scene, uint32_t triangle, const vec3& barycentric) {
     const LightmapUse& lightmap = scene.materials[scene.materials_of[triangle]].lightmap;
+    if (!lightmap.texture.used()) {  // of what has appeared since the scene was loaded
+        return vec3(0.0f);
+    }
     return lightmap.intensity * vec3(texelAt(scene, triangle, barycentric, lightmap.texture));
 }
 
