@@ -253,7 +253,8 @@ def render_by_three(three, copies, size, out):
 
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
-    with tempfile.TemporaryDirectory() as profile:
+    # The browser may still be writing when it is ended.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         browser = subprocess.Popen(
             ["chromium", "--headless=new", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", f"--user-data-dir={profile}",
              *(["--no-sandbox"] if os.geteuid() == 0 else []), f"http://127.0.0.1:{server.server_address[1]}/"],

@@ -117,11 +117,17 @@ Scene glazedRoom(bool by_lamp) {
     return scene;
 }
 
+// But for caustics, which are a layer of their own in either: the highlight of a light in glass is
+// in few of a record's rays, and in hardly any path.
 TEST(Glass, IsLitAndShowsWhatIsBehindAsByTheReference) {
     for (const bool by_lamp : {false, true}) {
         const Scene scene = glazedRoom(by_lamp);
-        const ReferenceResult truth = renderReference(scene, smallParams(scene, kSize, 512));
-        const Frame frame = renderFrame(scene, smallRender(kSize, kSize)).frame;
+        ReferenceParams paths = smallParams(scene, kSize, 512);
+        paths.caustics_apart = true;
+        const ReferenceResult truth = renderReference(scene, paths);
+        RenderParams params = smallRender(kSize, kSize);
+        params.caustics = 50'000;
+        const Frame frame = renderFrame(scene, params).frame;
         const auto error = [&](Image<vec3> Frame::*layer, Image<vec3> Frame::*variance) {
             return compareImages({.test = frame.*layer,
                                   .reference = truth.frame.*layer,
@@ -133,9 +139,9 @@ TEST(Glass, IsLitAndShowsWhatIsBehindAsByTheReference) {
         const Comparison indirect = error(&Frame::indirect, &Frame::indirect_variance);
         EXPECT_LT(direct.rel_rmse, by_lamp ? 0.03 : 0.005);
         EXPECT_LT(std::abs(direct.bias), 0.01);
-        // Images of lamps in smooth glass keep grain.
-        EXPECT_TRUE(by_lamp || indirect.rel_rmse < 0.04) << indirect.rel_rmse;
-        EXPECT_LT(std::abs(indirect.bias), 0.01) << "by lamp " << by_lamp;
+        // Images of lamps in smooth glass keep grain, and so do paths.
+        EXPECT_LT(indirect.rel_rmse, by_lamp ? 0.1 : 0.02);
+        EXPECT_LT(std::abs(indirect.bias), by_lamp ? 0.02 : 0.005);
     }
 }
 
