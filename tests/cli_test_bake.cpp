@@ -37,6 +37,10 @@ TEST_F(CliBakeTest, whatIsBakedIsShown) {
     EXPECT_EQ(shown.err.find("lightmap"), std::string::npos) << shown.err;
     EXPECT_EQ(Json::parse(textOf(file("a.json"))).at("method"), "lightmap");
     EXPECT_NE(call("render a.glb --size 16x12 -o b.exr").out.find("lightmap"), std::string::npos);
+    // Frames of an animation are not.
+    const Outcome frames = call("animate a.glb --fps 1 --frames 0..0 --size 16x12 -o f_%04d.exr");
+    EXPECT_EQ(frames.code, 0) << frames.err;
+    EXPECT_NE(frames.err.find("lightmaps are ignored"), std::string::npos) << frames.err;
     // Its light is nowhere else.
     const Outcome records = call("render a.glb --method radiance --size 16x12 -o b.exr");
     EXPECT_EQ(records.code, 0) << records.err;
