@@ -128,15 +128,10 @@ TEST(Glass, IsLitAndShowsWhatIsBehindAsByTheReference) {
         RenderParams params = smallRender(kSize, kSize);
         params.caustics = 50'000;
         const Frame frame = renderFrame(scene, params).frame;
-        const auto error = [&](Image<vec3> Frame::*layer, Image<vec3> Frame::*variance) {
-            return compareImages({.test = frame.*layer,
-                                  .reference = truth.frame.*layer,
-                                  .reference_variance = &(truth.frame.*variance),
-                                  .test_primitive = &frame.primitive,
-                                  .reference_primitive = &truth.frame.primitive});
-        };
-        const Comparison direct = error(&Frame::direct, &Frame::direct_variance);
-        const Comparison indirect = error(&Frame::indirect, &Frame::indirect_variance);
+        const Comparison direct =
+            errorOf(frame, truth.frame, &Frame::direct, &Frame::direct_variance);
+        const Comparison indirect =
+            errorOf(frame, truth.frame, &Frame::indirect, &Frame::indirect_variance);
         EXPECT_LT(direct.rel_rmse, by_lamp ? 0.03 : 0.005);
         EXPECT_LT(std::abs(direct.bias), 0.01);
         // Images of lamps in smooth glass keep grain, and so do paths.

@@ -162,16 +162,10 @@ struct Errors {
 Errors againstReference(const Scene& scene, int spp) {
     const ReferenceResult truth = renderReference(scene, smallParams(scene, kSize, spp));
     const RenderResult result = renderFrame(scene, smallRender(kSize, kSize));
-    const auto error = [&](Image<vec3> Frame::*layer, Image<vec3> Frame::*variance) {
-        return compareImages({.test = result.frame.*layer,
-                              .reference = truth.frame.*layer,
-                              .reference_variance = &(truth.frame.*variance),
-                              .test_primitive = &result.frame.primitive,
-                              .reference_primitive = &truth.frame.primitive});
-    };
-    return {.direct = error(&Frame::direct, &Frame::direct_variance),
-            .indirect = error(&Frame::indirect, &Frame::indirect_variance),
-            .estimate = result.stats.estimated_rel_rmse};
+    return {
+        .direct = errorOf(result.frame, truth.frame, &Frame::direct, &Frame::direct_variance),
+        .indirect = errorOf(result.frame, truth.frame, &Frame::indirect, &Frame::indirect_variance),
+        .estimate = result.stats.estimated_rel_rmse};
 }
 
 TEST(Veils, AreLitAndShowWhatIsBehindAsByTheReference) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "metrics/compare.h"
 #include "render/render.h"
 #include "test_scenes.h"
 
@@ -69,6 +70,16 @@ inline Scene furnace(const MaterialParams& material, const vec3& radiance, Gathe
     scene.environment.texels = Image<vec3>(1, 1, radiance);
     scene.cameras.push_back(lookAt(vec3(0.1f, 0.1f, 0.95f), vec3(-0.1f, -0.7f, -0.2f)));
     return scene;
+}
+
+/// Of a layer, by the reference's and its variance.
+inline Comparison errorOf(const Frame& test, const Frame& reference, Image<vec3> Frame::*layer,
+                          Image<vec3> Frame::*variance) {
+    return compareImages({.test = test.*layer,
+                          .reference = reference.*layer,
+                          .reference_variance = &(reference.*variance),
+                          .test_primitive = &test.primitive,
+                          .reference_primitive = &reference.primitive});
 }
 
 }  // namespace sheen

@@ -44,6 +44,9 @@ struct IlluminationCut::Range {
 
     size_t size() const { return end - begin; }
     size_t middle() const { return begin + size() / 2; }
+    std::span<const Photon> of(const PhotonMap& map) const {
+        return map.photons().subspan(begin, size());
+    }
 };
 
 namespace {
@@ -57,9 +60,7 @@ struct Sums {
     float other = 0.0f;    // share of photons on surfaces that face elsewhere
 };
 
-template <class Range>
-Sums sumsOf(std::span<const Photon> all, const Range& range) {
-    const std::span<const Photon> photons = all.subspan(range.begin, range.size());
+Sums sumsOf(std::span<const Photon> photons) {
     Sums sums;
     Bounds box;
     for (const Photon& photon : photons) {
@@ -71,12 +72,12 @@ Sums sumsOf(std::span<const Photon> all, const Range& range) {
         const vec3 way = photons[i].position - sums.mean;
         if (glm::dot(way, way) < nearest) {
             nearest = glm::dot(way, way);
-            sums.center = range.begin + i;
+            sums.center = i;
         }
     }
     const vec3 extent = box.upper - box.lower;
     sums.longest = std::max({extent.x, extent.y, extent.z});
-    const vec3& n_g = all[sums.center].n_g;
+    const vec3& n_g = photons[sums.center].n_g;
     size_t turned = 0;
     for (const Photon& photon : photons) {
         if (glm::dot(photon.n_g, n_g) > kTurned) {
@@ -94,8 +95,8 @@ Sums sumsOf(std::span<const Photon> all, const Range& range) {
 
 IlluminationCut::Node IlluminationCut::nodeOf(const Tracer& tracer, const PhotonMap& map,
                                               const Range& range) {
-    const Sums sums = sumsOf(map.photons(), range);
-    const Photon& center = map.photons()[sums.center];
+    const Sums sums = sumsOf(range.of(map));
+    const Photon& center = range.of(map)[sums.center];
     const SurfaceSide side{.position = center.position,
                            .n_g = center.n_g,
                            .toward_viewer = center.wi,
@@ -140,16 +141,20 @@ IlluminationCut::IlluminationCut(const Tracer& tracer, const PhotonMap& map) {
             static_cast<int>(cut.size()), [&](int i) { body(static_cast<size_t>(i)); }, 16);
     };
     for (int level = 0; level < kLevel; ++level) {
-        forEach([&](size_t i) { cut[i].open = true; });
+        for (Range& range : cut) {
+            range.open = true;
+        }
         descend();
     }
     std::vector<float> densities(cut.size());
-    forEach([&](size_t i) { densities[i] = sumsOf(map.photons(), cut[i]).density; });
+    forEach([&](size_t i) { densities[i] = sumsOf(cut[i].of(map)).density; });
     double average = 0.0;
     for (const float density : densities) {
         average += density / static_cast<double>(cut.size());
     }
-    forEach([&](size_t i) { cut[i].open = densities[i] > average; });
+    for (size_t i = 0; i < cut.size(); ++i) {
+        cut[i].open = densities[i] > average;
+    }
     descend();
     const auto ask = [&](Range& range) {
         if (!range.node) {
