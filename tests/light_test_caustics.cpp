@@ -7,11 +7,17 @@
 
 #include "core/bounces.h"
 #include "core/parallel.h"
-#include "light/caustics.h"
+#include "light/photon_tracer.h"
 #include "test_scenes.h"
 
 namespace sheen {
 namespace {
+
+std::vector<Photon> traceCaustics(const Tracer& tracer, const SceneLights& lights,
+                                  const SeenSpace& seen, int count, int bounces) {
+    return tracePhotons(tracer, lights, {.caustics = true, .seen = &seen, .bounces = bounces},
+                        count);
+}
 
 // Of about 400 alike photons a point, 1.2 / sqrt(400), and what the choice of their number adds.
 constexpr double kNoise = 0.08;

@@ -13,8 +13,8 @@ namespace sheen {
 
 /// Which photons are wanted.
 struct PhotonPaths {
-    bool caustics = false;  ///< from specular surfaces to specular ones, and at last to one that is
-                            ///< not, or not only, specular; false: from all surfaces to all
+    bool caustics = false;  ///< of light that specular surfaces alone send to one that is not, or
+                            ///< not only, specular; false: from all surfaces to all
     const SeenSpace* seen = nullptr;  ///< where they are kept; null: everywhere
     int bounces = 1;                  ///< so often they are scattered at the most
 };

@@ -4,9 +4,9 @@
 
 #include "core/parallel.h"
 #include "core/timer.h"
-#include "light/caustics.h"
 #include "light/element_light.h"
 #include "light/illumination_cut.h"
+#include "light/photon_tracer.h"
 #include "light/place_elements.h"
 #include "receivers/coats.h"
 #include "render/caustics.h"
@@ -253,7 +253,9 @@ void ViewState::findCaustics(const SceneState& state, const RenderParams& params
     }
     const SeenSpace space(points);
     const PhotonMap photons(
-        traceCaustics(state.tracer, *state.lights, space, params.caustics, params.bounces),
+        tracePhotons(state.tracer, *state.lights,
+                     {.caustics = true, .seen = &space, .bounces = params.bounces},
+                     params.caustics),
         space.reach());
     caustic_photons = photons.size();
     const CausticLight of_pixels = causticLight(state.tracer, photons, receivers);
