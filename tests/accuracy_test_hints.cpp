@@ -13,20 +13,20 @@ namespace sheen {
 namespace {
 
 // What hints of default parameters err by now, in percent.
-struct Measured {
+struct MeasuredByHints {
     const char* scene;
     double rel_rmse, bias, median;
 };
-void PrintTo(const Measured& row, std::ostream* out) { *out << row.scene; }
+void PrintTo(const MeasuredByHints& row, std::ostream* out) { *out << row.scene; }
 
 // What chance changes: where samples and hints lie.
 constexpr double kFactor = 1.15;
 constexpr double kBias = 2.5;  // percent of the image
 
-class HintsAccuracy : public testing::TestWithParam<Measured> {};
+class HintsAccuracy : public testing::TestWithParam<MeasuredByHints> {};
 
 TEST_P(HintsAccuracy, IsNotWorseThanItWas) {
-    const Measured& row = GetParam();
+    const MeasuredByHints& row = GetParam();
     const LoadedExr truth = readExr(fmt::format("{}/{}.exr", SHEEN_REFERENCES, row.scene));
     RenderParams params;
     params.method = Method::kHints;
@@ -54,10 +54,10 @@ TEST_P(HintsAccuracy, IsNotWorseThanItWas) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, HintsAccuracy,
-                         testing::Values(Measured{"cornell_diffuse", 20.4, -0.2, 5.4},
-                                         Measured{"cornell_glossy", 36.4, 4.4, 7.9},
-                                         Measured{"venus_glossy", 19.5, 1.0, 6.7},
-                                         Measured{"atrium", 31.2, -3.0, 6.8}),
+                         testing::Values(MeasuredByHints{"cornell_diffuse", 20.4, -0.2, 5.4},
+                                         MeasuredByHints{"cornell_glossy", 36.4, 4.4, 7.9},
+                                         MeasuredByHints{"venus_glossy", 19.5, 1.0, 6.7},
+                                         MeasuredByHints{"atrium", 31.2, -3.0, 6.8}),
                          [](const auto& info) { return std::string(info.param.scene); });
 
 }  // namespace

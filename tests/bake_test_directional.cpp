@@ -16,7 +16,7 @@ vec3 irradianceAlong(const Baked& baked, size_t i, const vec3& n) {
                     n.x * baked.sh[3].pixels[i]);
 }
 
-Scene floorScene() {
+Scene greyFloor() {
     Scene scene;
     addQuad(scene, vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2),
             addMaterial(scene, diffuseParams(vec3(0.5f))));
@@ -25,7 +25,7 @@ Scene floorScene() {
 
 // Above a floor under an even sky: half of the sphere.
 TEST(Directional, anEvenSky) {
-    Scene scene = floorScene();
+    Scene scene = greyFloor();
     const vec3 radiance(0.5f, 1.0f, 2.0f);
     addSky(scene, radiance);
     const Bench bench(scene, 16);
@@ -43,7 +43,7 @@ TEST(Directional, anEvenSky) {
 }
 
 TEST(Directional, aSunHasTheBasisOfItsDirection) {
-    Scene scene = floorScene();
+    Scene scene = greyFloor();
     const vec3 toward = glm::normalize(vec3(1, 2, -3));
     scene.lights.push_back(directionalLight(-toward, vec3(3, 2, 1)));
     const Bench bench(scene, 16);
@@ -83,7 +83,7 @@ TEST(Directional, holdsTheIrradiance) {
 }
 
 TEST(Directional, notByPaths) {
-    const Scene scene = floorScene();
+    const Scene scene = greyFloor();
     const Bench bench(scene, 16);
     EXPECT_THROW(bench.bake({.method = BakeMethod::kReference, .directional = true}), Error);
     EXPECT_TRUE(bench.bake().sh.empty());

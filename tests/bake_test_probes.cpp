@@ -34,7 +34,7 @@ vec3 irradianceOf(const ShLight& light, const vec3& n) {
 }
 
 // As far from a hemisphere's sums as floats are.
-constexpr float kRounding = 2e-4f;
+constexpr float kProbeRounding = 2e-4f;
 
 TEST(LightProbes, anEvenSkyHasOneCoefficient) {
     Scene scene;
@@ -46,12 +46,12 @@ TEST(LightProbes, anEvenSkyHasOneCoefficient) {
     ASSERT_EQ(probes.free, 1);
     const ShLight& light = probes.light[0];
     ASSERT_EQ(light.size(), 9u);
-    EXPECT_LT(maxAbs(light[0] / (std::sqrt(4.0f * kPi) * radiance) - 1.0f), kRounding);
+    EXPECT_LT(maxAbs(light[0] / (std::sqrt(4.0f * kPi) * radiance) - 1.0f), kProbeRounding);
     for (size_t k = 1; k < light.size(); ++k) {
-        EXPECT_LT(maxAbs(light[k]), kRounding) << k;
+        EXPECT_LT(maxAbs(light[k]), kProbeRounding) << k;
     }
     EXPECT_LT(maxAbs(irradianceOf(light, vec3(0.6f, 0, 0.8f)) / (kPi * radiance) - 1.0f),
-              kRounding);
+              kProbeRounding);
 }
 
 // Of light from one direction the coefficients are the basis there; the irradiance of what faces it

@@ -10,28 +10,28 @@
 namespace sheen {
 namespace {
 
-constexpr int kSize = 32;
+constexpr int kDenoisedSize = 32;
 
 // A wall at distance 1 that fills the view, pixels 0.01 apart.
 Frame flatGuide() {
     Frame guide;
-    guide.position = Image<vec3>(kSize, kSize);
-    for (int y = 0; y < kSize; ++y) {
-        for (int x = 0; x < kSize; ++x) {
+    guide.position = Image<vec3>(kDenoisedSize, kDenoisedSize);
+    for (int y = 0; y < kDenoisedSize; ++y) {
+        for (int x = 0; x < kDenoisedSize; ++x) {
             guide.position.at(x, y) = 0.01f * vec3(x, -y, -100);
         }
     }
-    guide.normal = Image<vec3>(kSize, kSize, vec3(0, 0, 1));
-    guide.roughness = Image<float>(kSize, kSize, 1.0f);
-    guide.primitive = Image<uint32_t>(kSize, kSize, 0u);
+    guide.normal = Image<vec3>(kDenoisedSize, kDenoisedSize, vec3(0, 0, 1));
+    guide.roughness = Image<float>(kDenoisedSize, kDenoisedSize, 1.0f);
+    guide.primitive = Image<uint32_t>(kDenoisedSize, kDenoisedSize, 0u);
     return guide;
 }
 
-Image<vec3> constant(const vec3& value) { return Image<vec3>(kSize, kSize, value); }
+Image<vec3> constant(const vec3& value) { return Image<vec3>(kDenoisedSize, kDenoisedSize, value); }
 
 Image<vec3> randomImage(uint32_t seed, float low, float high) {
     Random random(seed);
-    Image<vec3> image(kSize, kSize);
+    Image<vec3> image(kDenoisedSize, kDenoisedSize);
     for (vec3& pixel : image.pixels) {
         pixel = random.point(low, high);
     }
@@ -57,17 +57,17 @@ TEST(Denoise, ConstantLightStaysUnderAnyTexture) {
 // One side is black, so that any light there has crossed the edge.
 void expectNothingCrosses(const Frame& guide) {
     Image<vec3> color = randomImage(3, 0.5f, 1.5f);
-    for (int y = 0; y < kSize; ++y) {
-        for (int x = kSize / 2; x < kSize; ++x) {
+    for (int y = 0; y < kDenoisedSize; ++y) {
+        for (int x = kDenoisedSize / 2; x < kDenoisedSize; ++x) {
             color.at(x, y) = vec3(0.0f);
         }
     }
     // So much noise that light alone would tell nothing from anything.
     const Image<vec3> filtered =
         filterAtrous(color, constant(vec3(100.0f)), constant(vec3(1.0f)), guide);
-    for (int y = 0; y < kSize; ++y) {
-        for (int x = 0; x < kSize; ++x) {
-            if (x < kSize / 2) {
+    for (int y = 0; y < kDenoisedSize; ++y) {
+        for (int x = 0; x < kDenoisedSize; ++x) {
+            if (x < kDenoisedSize / 2) {
                 EXPECT_GT(filtered.at(x, y).x, 0.7f);
             } else {
                 EXPECT_EQ(filtered.at(x, y), vec3(0.0f));
@@ -78,8 +78,8 @@ void expectNothingCrosses(const Frame& guide) {
 
 TEST(Denoise, NothingCrossesAnEdgeOfNormals) {
     Frame guide = flatGuide();
-    for (int y = 0; y < kSize; ++y) {
-        for (int x = kSize / 2; x < kSize; ++x) {
+    for (int y = 0; y < kDenoisedSize; ++y) {
+        for (int x = kDenoisedSize / 2; x < kDenoisedSize; ++x) {
             guide.normal.at(x, y) = vec3(1, 0, 0);
         }
     }
@@ -88,8 +88,8 @@ TEST(Denoise, NothingCrossesAnEdgeOfNormals) {
 
 TEST(Denoise, NothingCrossesAnEdgeOfDepth) {
     Frame guide = flatGuide();
-    for (int y = 0; y < kSize; ++y) {
-        for (int x = kSize / 2; x < kSize; ++x) {
+    for (int y = 0; y < kDenoisedSize; ++y) {
+        for (int x = kDenoisedSize / 2; x < kDenoisedSize; ++x) {
             guide.position.at(x, y).z -= 2.0f;
         }
     }
@@ -98,8 +98,8 @@ TEST(Denoise, NothingCrossesAnEdgeOfDepth) {
 
 TEST(Denoise, NothingCrossesAnEdgeOfRoughness) {
     Frame guide = flatGuide();
-    for (int y = 0; y < kSize; ++y) {
-        for (int x = kSize / 2; x < kSize; ++x) {
+    for (int y = 0; y < kDenoisedSize; ++y) {
+        for (int x = kDenoisedSize / 2; x < kDenoisedSize; ++x) {
             guide.roughness.at(x, y) = 0.3f;
         }
     }
@@ -115,14 +115,14 @@ TEST(Denoise, PixelsWithoutVarianceStay) {
 TEST(Denoise, PixelsWithoutGeometryAreLeftAloneAndLendNothing) {
     Frame guide = flatGuide();
     Image<vec3> color = randomImage(5, 0.5f, 1.5f);
-    for (int x = 0; x < kSize; ++x) {
+    for (int x = 0; x < kDenoisedSize; ++x) {
         guide.primitive.at(x, 5) = kNoPrimitive;
         color.at(x, 5) = vec3(1e6f);
     }
     const Image<vec3> filtered =
         filterAtrous(color, constant(vec3(100.0f)), constant(vec3(1.0f)), guide);
-    for (int y = 0; y < kSize; ++y) {
-        for (int x = 0; x < kSize; ++x) {
+    for (int y = 0; y < kDenoisedSize; ++y) {
+        for (int x = 0; x < kDenoisedSize; ++x) {
             EXPECT_TRUE(y == 5 ? filtered.at(x, y) == color.at(x, y) : filtered.at(x, y).x < 2.0f);
         }
     }
@@ -131,8 +131,8 @@ TEST(Denoise, PixelsWithoutGeometryAreLeftAloneAndLendNothing) {
 // A red wall tells nothing of the blue light that a white one beside it reflects.
 TEST(Denoise, BlackChannelsOfAnAlbedoLendNothing) {
     Image<vec3> albedo = constant(vec3(0.5f));
-    for (int y = 0; y < kSize; ++y) {
-        for (int x = 0; x < kSize / 2; ++x) {
+    for (int y = 0; y < kDenoisedSize; ++y) {
+        for (int x = 0; x < kDenoisedSize / 2; ++x) {
             albedo.at(x, y) = vec3(0.5f, 0.0f, 0.0f);
         }
     }

@@ -12,7 +12,7 @@
 namespace sheen {
 namespace {
 
-constexpr HemisphereParams kHemicube = {.kind = HemisphereKind::kHemicube, .size = 24};
+constexpr HemisphereParams kSmallHemicube = {.kind = HemisphereKind::kHemicube, .size = 24};
 
 // ---- Where to look closer -----------------------------------------------------------------------
 
@@ -37,7 +37,7 @@ TEST(RayGatherer, LooksCloserWhereRecordsNearbySawLightChange) {
         // A record that met the lamp says where it is.
         std::vector<Contrast> found;
         for (const GatheredRecord& g :
-             RayGatherer(lit.light, kHemicube)
+             RayGatherer(lit.light, kSmallHemicube)
                  .gather(repeated(100, siteAt(vec3(0.1f, -1, 0), vec3(0, 1, 0), order)))) {
             for (const Contrast& c : g.contrasts) {
                 EXPECT_TRUE(nearLamp(c.position)) << c.position.x << " " << c.position.z;
@@ -57,7 +57,7 @@ TEST(RayGatherer, LooksCloserWhereRecordsNearbySawLightChange) {
                 site.contrasts = contrasts;
             }
             double sum = 0.0, squares = 0.0;
-            for (const GatheredRecord& g : RayGatherer(lit.light, kHemicube).gather(sites)) {
+            for (const GatheredRecord& g : RayGatherer(lit.light, kSmallHemicube).gather(sites)) {
                 sum += g.record.irradiance.y;
                 squares += g.record.irradiance.y * g.record.irradiance.y;
             }
@@ -82,7 +82,7 @@ TEST(RayGatherer, TheFirstRecordsLookTwice) {
             site.first = first != 0;
         }
         double sum = 0.0, squares = 0.0;
-        for (const GatheredRecord& g : RayGatherer(lit.light, kHemicube).gather(sites)) {
+        for (const GatheredRecord& g : RayGatherer(lit.light, kSmallHemicube).gather(sites)) {
             sum += g.record.irradiance.y;
             squares += g.record.irradiance.y * g.record.irradiance.y;
         }
@@ -102,7 +102,7 @@ TEST(RayGatherer, LightTooFaintToCompareIsKept) {
            true);
     const LitByCells lit(scene);
     const RecordSite site = siteAt(vec3(0.1f, -1, 0.2f), vec3(0, 1, 0));
-    const std::vector<GatheredRecord> g = RayGatherer(lit.light, kHemicube).gather({&site, 1});
+    const std::vector<GatheredRecord> g = RayGatherer(lit.light, kSmallHemicube).gather({&site, 1});
     EXPECT_NEAR(g[0].record.irradiance.y, kPi * kFaint, 1e-2f * kPi * kFaint);
     EXPECT_TRUE(g[0].contrasts.empty());
 }
@@ -122,7 +122,7 @@ TEST(RayGatherer, ContrastsOfSmallHemispheresSayWhatThoseOfLargeOnesDo) {
             sites.back().contrasts = {{vec3(0, 0.999f, 0), 90.0f}};
         }
         double sum = 0.0;
-        for (const GatheredRecord& g : RayGatherer(lit.light, kHemicube).gather(sites)) {
+        for (const GatheredRecord& g : RayGatherer(lit.light, kSmallHemicube).gather(sites)) {
             float strongest = 0.0f;
             for (const Contrast& c : g.contrasts) {
                 strongest = std::max(strongest, c.strength);
@@ -148,7 +148,7 @@ TEST(RayGatherer, ContrastsTakeRaysAsTheSideOfTheHemisphere) {
             if (told != 0) {
                 site.contrasts = {{vec3(0.1f, 1, 0.1f), kStrength}};
             }
-            RayGatherer gatherer(lit.light, kHemicube);
+            RayGatherer gatherer(lit.light, kSmallHemicube);
             gatherer.gather({&site, 1});
             cast[told] = gatherer.rays();
         }
@@ -184,7 +184,7 @@ TEST(RayGatherer, AMirrorsHighlightIsNeitherMissedNorABlotch) {
             const std::vector<RecordSite> sites =
                 repeated(kRecords, siteAt(vec3(0), vec3(0, 1, 0)));
             double sum = 0.0, least = kInfinity, most = 0.0;
-            for (const GatheredRecord& g : RayGatherer(lit.light, kHemicube).gather(sites)) {
+            for (const GatheredRecord& g : RayGatherer(lit.light, kSmallHemicube).gather(sites)) {
                 const double e = g.record.irradiance.x;
                 sum += e;
                 least = std::min(least, e);

@@ -15,9 +15,9 @@
 namespace sheen {
 namespace {
 
-constexpr HemisphereParams kHemicube = {.kind = HemisphereKind::kHemicube, .size = 32};
-constexpr HemisphereParams kKinds[] = {
-    kHemicube,
+constexpr HemisphereParams kRasterHemicube = {.kind = HemisphereKind::kHemicube, .size = 32};
+constexpr HemisphereParams kRasterKinds[] = {
+    kRasterHemicube,
     {.kind = HemisphereKind::kBorder, .size = 48, .extent = 2.0f},
     {.kind = HemisphereKind::kPlane, .size = 48, .extent = 3.0f},
     {.kind = HemisphereKind::kLarsen, .size = 48, .extent = 3.0f}};
@@ -32,7 +32,8 @@ std::vector<RecordSite> sitesInRoom(int count) {
 }
 
 std::vector<GatheredRecord> gather(const Scene& scene, const std::vector<RecordSite>& sites,
-                                   const HemisphereParams& params = kHemicube, int workers = 2) {
+                                   const HemisphereParams& params = kRasterHemicube,
+                                   int workers = 2) {
     TestStage stage(scene, workers);
     RasterGatherer gatherer(stage.pool, stage.gpu, params);
     return gatherer.gather(sites);
@@ -41,8 +42,8 @@ std::vector<GatheredRecord> gather(const Scene& scene, const std::vector<RecordS
 TEST(RasterGatherer, TheSameBitsForAnyWorkers) {
     const Scene scene = glossyRoom();
     const std::vector<RecordSite> sites = sitesInRoom(70);
-    const std::vector<GatheredRecord> one = gather(scene, sites, kHemicube, 1);
-    const std::vector<GatheredRecord> three = gather(scene, sites, kHemicube, 3);
+    const std::vector<GatheredRecord> one = gather(scene, sites, kRasterHemicube, 1);
+    const std::vector<GatheredRecord> three = gather(scene, sites, kRasterHemicube, 3);
     for (size_t i = 0; i < sites.size(); ++i) {
         EXPECT_EQ(std::memcmp(&one[i].record, &three[i].record, sizeof(Record)), 0) << i;
         EXPECT_TRUE(one[i].sh == three[i].sh) << i;
@@ -79,7 +80,7 @@ TEST(RasterGatherer, AFurnaceWhateverTheTurn) {
     const std::vector<RecordSite> sites = {siteAt({0.2f, -1, 0.3f}, {0, 1, 0}),
                                            siteAt({-1, 0.4f, -0.5f}, {1, 0, 0}, 4),
                                            siteAt({0.7f, 0.1f, -1}, {0, 0, 1})};
-    for (const HemisphereParams& params : kKinds) {
+    for (const HemisphereParams& params : kRasterKinds) {
         const bool whole = params.kind != HemisphereKind::kPlane;
         for (const GatheredRecord& g : gather(scene, sites, params)) {
             const Record& r = g.record;
@@ -106,7 +107,7 @@ TEST(RasterGatherer, NothingComesFromBelowTheGeometricSurface) {
     for (int order : {0, 4}) {
         RecordSite site = siteAt({0.3f, 0, 0.2f}, glm::normalize(vec3(0.6f, 1, 0.2f)), order);
         site.geometric_normal = vec3(0, 1, 0);
-        for (const HemisphereParams& params : kKinds) {
+        for (const HemisphereParams& params : kRasterKinds) {
             const GatheredRecord g = gather(scene, {site}, params).front();
             EXPECT_EQ(g.record.irradiance, vec3(0.0f));
             EXPECT_EQ(g.record.radius, kInfinity);
@@ -116,7 +117,7 @@ TEST(RasterGatherer, NothingComesFromBelowTheGeometricSurface) {
             }
         }
         const LitByCells lit(scene);
-        EXPECT_EQ(RayGatherer(lit.light, kHemicube).gather({&site, 1})[0].record.irradiance,
+        EXPECT_EQ(RayGatherer(lit.light, kRasterHemicube).gather({&site, 1})[0].record.irradiance,
                   vec3(0.0f));
     }
 }

@@ -9,6 +9,8 @@
 
 namespace sheen {
 
+constexpr float kPi = 3.14159265f;
+
 inline std::string scenePath(const char* name) {
     return std::string(SHEEN_SCENES) + "/" + name + ".glb";
 }

@@ -7,8 +7,6 @@
 namespace sheen {
 namespace {
 
-constexpr float kPi = 3.14159265f;
-
 // What the pixel in the middle shows of direct light; of an odd image, straight below the camera.
 std::array<float, 3> inTheMiddle(const Arrays& scene) {
     const Frame frame = Session(Scene::fromArrays(scene, {{"environment", "none"}}))

@@ -7,8 +7,6 @@
 namespace sheen {
 namespace {
 
-constexpr float kPi = 3.14159265f;
-
 // A grid on the floor, seen from above.
 Points grid(int side, float spacing) {
     Points points;

@@ -17,7 +17,6 @@ namespace {
 constexpr float kRounding = 1e-4f;
 
 const vec3 kAlbedo(0.8f, 0.5f, 0.2f);
-const vec3 kUp(0, 1, 0);
 
 vec4 castOne(const LitScene& rays, const vec3& origin, const vec3& direction) {
     // What was there before must not show.

@@ -17,13 +17,13 @@ namespace {
 
 constexpr int kPhotons = 50'000;
 
-struct Lit {
+struct LitByPhotons {
     Tracer tracer;
     SceneLights lights;
     ScatteredOnce once;
     ScatteredAgain again;
 
-    Lit(const Scene& scene, int bounces)
+    LitByPhotons(const Scene& scene, int bounces)
         : tracer(scene),
           lights(tracer),
           once(tracer, &lights),
@@ -31,7 +31,7 @@ struct Lit {
                 bounces) {}
 };
 
-const vec3 kEye(0.4f, 0.3f, -0.2f);
+const vec3 kWithin(0.4f, 0.3f, -0.2f);
 
 TEST(IlluminationCut, AddsUpTheBouncesInASphere) {
     // Of estimates of density on a curved surface.
@@ -39,12 +39,13 @@ TEST(IlluminationCut, AddsUpTheBouncesInASphere) {
     for (const float albedo : {0.5f, 0.8f}) {
         const Scene scene = sphereRoom(albedo);
         for (const int bounces : {2, 3, kAllBounces}) {
-            const Lit lit(scene, bounces);
-            const double once = meanRadiance(lit.once, kEye).y;
+            const LitByPhotons lit(scene, bounces);
+            const double once = meanRadiance(lit.once, kWithin).y;
             const double series = bounces == kAllBounces ? 1.0 / (1.0 - albedo)
                                                          : (1.0 - std::pow(albedo, bounces)) /
                                                                (1.0 - static_cast<double>(albedo));
-            EXPECT_NEAR(meanRadiance(lit.again, kEye).y, once * series, once * series * kTolerance)
+            EXPECT_NEAR(meanRadiance(lit.again, kWithin).y, once * series,
+                        once * series * kTolerance)
                 << "albedo " << albedo << ", bounces " << bounces;
             EXPECT_LT(lit.again.missedShare(), 0.02);
             EXPECT_GE(lit.again.keptCount(), 2000u);
@@ -78,7 +79,7 @@ TEST(IlluminationCut, DoesNotLeakThroughAThinWall) {
     addBox(scene, vec3(-2, -1, -1), vec3(2, 1, 1), white, true);
     addQuad(scene, vec3(0, -1, -1), vec3(0, 2, 0), vec3(0, 0, 2), white);
     scene.lights.push_back(pointLight(vec3(-1, 0, 0), vec3(1.0f)));
-    const Lit lit(scene, kAllBounces);
+    const LitByPhotons lit(scene, kAllBounces);
     const vec3 lit_eye(-0.8f, 0.2f, 0.1f), dark_eye(0.9f, -0.1f, 0.2f);
     EXPECT_GT(meanRadiance(lit.again, lit_eye).y, 2.0f * meanRadiance(lit.once, lit_eye).y);
     // A node beside the wall reaches as far along the floor as its photons do.
@@ -92,7 +93,7 @@ TEST(IlluminationCut, DoesNotDependOnThreads) {
     std::vector<vec3> means;
     for (const int count : {1, 4}) {
         setThreadCount(count);
-        const Lit lit(scene, kAllBounces);
+        const LitByPhotons lit(scene, kAllBounces);
         means.push_back(meanRadiance(lit.again, vec3(0.1f, 0.2f, 0.3f)));
     }
     setThreadCount(threads);
@@ -102,7 +103,7 @@ TEST(IlluminationCut, DoesNotDependOnThreads) {
 TEST(IlluminationCut, HasNothingToAddWhereNothingShines) {
     Scene scene = sphereRoom(0.8f);
     scene.lights.clear();
-    const Lit dark(scene, kAllBounces);
+    const LitByPhotons dark(scene, kAllBounces);
     EXPECT_EQ(dark.again.keptCount(), 0u);
     EXPECT_EQ(meanRadiance(dark.again, vec3(0.0f)), vec3(0.0f));
     const Scene empty;

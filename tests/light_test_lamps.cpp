@@ -16,7 +16,6 @@
 namespace sheen {
 namespace {
 
-const vec3 kUp(0, 1, 0);
 const vec3 kRadiance(4, 2, 1);
 
 // A square lamp of side 2 h at height 1 above the origin, and what else there is.

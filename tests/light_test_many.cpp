@@ -15,9 +15,7 @@
 namespace sheen {
 namespace {
 
-const vec3 kUp(0, 1, 0);
-
-SurfaceSide sideAt(const vec3& p, const vec3& n) {
+SurfaceSide sideSeenFromAbove(const vec3& p, const vec3& n) {
     return {.position = p, .n_g = n, .toward_viewer = n, .offset = 1e-7f};
 }
 
@@ -94,7 +92,7 @@ TEST(ManyLights, PartsOfOneLightEachAddUpExactly) {
     const ManyLights lights(scene);
     for (const vec3& p : {vec3(0, 0, 0), vec3(-3, 0, 2), vec3(3.9f, 0.5f, -3.9f)}) {
         float sum = 0.0f;
-        lights.forEachPart(sideAt(p, kUp), kUp, ManyLights::kParts, 1,
+        lights.forEachPart(sideSeenFromAbove(p, kUp), kUp, ManyLights::kParts, 1,
                            [&](const ManyLights::Sample& s) {
                                sum += s.light.irradiance.x * glm::dot(s.light.wi, kUp);
                            });
@@ -111,7 +109,7 @@ TEST(ManyLights, PartsAndSamplesOfManyAddUpOnAverage) {
     double parts = 0.0, squares = 0.0;
     for (uint32_t draw = 0; draw < kDraws; ++draw) {
         double sum = 0.0;
-        lights.forEachPart(sideAt(p, kUp), kUp, ManyLights::kParts, draw,
+        lights.forEachPart(sideSeenFromAbove(p, kUp), kUp, ManyLights::kParts, draw,
                            [&](const ManyLights::Sample& s) {
                                sum += s.light.irradiance.x * glm::dot(s.light.wi, kUp);
                            });
@@ -124,7 +122,7 @@ TEST(ManyLights, PartsAndSamplesOfManyAddUpOnAverage) {
     EXPECT_LT(std::sqrt(squares / kDraws - mean * mean), 0.03 * expected);
     double samples = 0.0;
     for (uint32_t i = 0; i < kSamples; ++i) {
-        if (const auto s = lights.sample(sideAt(p, kUp), kUp, randomPlace(i, 0).x)) {
+        if (const auto s = lights.sample(sideSeenFromAbove(p, kUp), kUp, randomPlace(i, 0).x)) {
             samples += s->light.irradiance.x * glm::dot(s->light.wi, kUp);
         }
     }
@@ -134,9 +132,9 @@ TEST(ManyLights, PartsAndSamplesOfManyAddUpOnAverage) {
 TEST(ManyLights, NothingShinesFromBehind) {
     const Scene scene = underLights(40);
     const ManyLights lights(scene);
-    lights.forEachPart(sideAt(vec3(0.0f), -kUp), -kUp, ManyLights::kParts, 1,
+    lights.forEachPart(sideSeenFromAbove(vec3(0.0f), -kUp), -kUp, ManyLights::kParts, 1,
                        [](const ManyLights::Sample&) { ADD_FAILURE(); });
-    EXPECT_FALSE(lights.sample(sideAt(vec3(0.0f), -kUp), -kUp, 0.3f));
+    EXPECT_FALSE(lights.sample(sideSeenFromAbove(vec3(0.0f), -kUp), -kUp, 0.3f));
 }
 
 // Pixels of a box among 60 lights, and what rays meet there: by chance as one by one.
@@ -230,16 +228,16 @@ TEST(Lamps, IrradianceOfAnOpenSquareIsItsFormFactor) {
         ASSERT_TRUE(lamps.plain());
         const double r = std::sqrt(1.0 + double{h} * h);
         const double up = 4.0 * h / r * std::atan(h / r);  // [HSM10, B-3]
-        EXPECT_NEAR(lamps.irradiance(sideAt(vec3(0.0f), kUp), kUp).x, radiance.x * up,
+        EXPECT_NEAR(lamps.irradiance(sideSeenFromAbove(vec3(0.0f), kUp), kUp).x, radiance.x * up,
                     1e-3 * radiance.x * up)
             << h;
         // Of a normal that lies flat half of it is below the horizon. [HSM10, B-5, doubled]
         const vec3 flat(1, 0, 0);
         const double aside = std::atan(h) - std::atan(h / r) / r;
-        EXPECT_NEAR(lamps.irradiance(sideAt(vec3(0.0f), flat), flat).y, radiance.y * aside,
-                    2e-3 * radiance.y * aside)
+        EXPECT_NEAR(lamps.irradiance(sideSeenFromAbove(vec3(0.0f), flat), flat).y,
+                    radiance.y * aside, 2e-3 * radiance.y * aside)
             << h;
-        EXPECT_EQ(lamps.irradiance(sideAt(vec3(0.0f), -kUp), -kUp), vec3(0.0f));
+        EXPECT_EQ(lamps.irradiance(sideSeenFromAbove(vec3(0.0f), -kUp), -kUp), vec3(0.0f));
     }
 }
 

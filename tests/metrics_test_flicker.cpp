@@ -11,7 +11,7 @@
 namespace sheen {
 namespace {
 
-constexpr double kRounding = 1e-6;
+constexpr double kFlickerRounding = 1e-6;
 
 Image<vec3> flat(float value, int side = 4) { return Image<vec3>(side, side, vec3(value)); }
 
@@ -43,7 +43,7 @@ TEST(Flicker, AnErrorThatChangesItsSignFlickersTwice) {
         const Image<vec3> test = flat(2.0f + (frame % 2 == 0 ? 0.25f : -0.25f));
         meter.add(frame, {.test = test, .reference = flat(2.0f)});
     }
-    EXPECT_NEAR(meter.result()->value, 0.5 / 2.0, kRounding);
+    EXPECT_NEAR(meter.result()->value, 0.5 / 2.0, kFlickerRounding);
 }
 
 TEST(Flicker, ItsMeanIsOverPixelsChannelsAndPairs) {
@@ -55,7 +55,7 @@ TEST(Flicker, ItsMeanIsOverPixelsChannelsAndPairs) {
     meter.add(0, {.test = reference, .reference = reference});
     meter.add(1, {.test = jumped, .reference = reference});
     meter.add(2, {.test = jumped, .reference = reference});
-    EXPECT_NEAR(meter.result()->value, std::sqrt(1.0 / (2 * 16 * 3)) / 4.0, kRounding);
+    EXPECT_NEAR(meter.result()->value, std::sqrt(1.0 / (2 * 16 * 3)) / 4.0, kFlickerRounding);
 }
 
 TEST(Flicker, TheReferencesNoiseIsTakenOff) {
@@ -113,7 +113,7 @@ TEST(Flicker, NoiseThatIsTheSameInBothChangesNothing) {
         const Image<vec3> test = flat(1.0f + 0.1f * static_cast<float>(frame));
         meter.add(frame, {.test = test, .reference = flat(1.0f), .reference_variance = &variance});
     }
-    EXPECT_NEAR(meter.result()->value, 0.1, kRounding);
+    EXPECT_NEAR(meter.result()->value, 0.1, kFlickerRounding);
 }
 
 TEST(Flicker, OnlyNeighboursMakePairs) {
@@ -127,7 +127,7 @@ TEST(Flicker, OnlyNeighboursMakePairs) {
     meter.add(5, {.test = image, .reference = flat(1.0f)});
     ASSERT_TRUE(meter.result());
     EXPECT_EQ(meter.result()->pairs, 1);
-    EXPECT_NEAR(meter.result()->value, 1.0, kRounding);
+    EXPECT_NEAR(meter.result()->value, 1.0, kFlickerRounding);
 }
 
 TEST(Flicker, PixelsThatSeeSomethingElseDoNotCount) {
@@ -147,7 +147,7 @@ TEST(Flicker, PixelsThatSeeSomethingElseDoNotCount) {
                           .test_primitive = &others,
                           .reference_primitive = &triangles});
     }
-    EXPECT_NEAR(meter.result()->value, std::sqrt(1.0 / 14.0), kRounding);
+    EXPECT_NEAR(meter.result()->value, std::sqrt(1.0 / 14.0), kFlickerRounding);
 }
 
 TEST(Flicker, ABlackReferenceHasNoRelativeFlicker) {

@@ -7,7 +7,7 @@
 namespace sheen {
 namespace {
 
-constexpr float kRounding = 1e-6f;
+constexpr float kPoseRounding = 1e-6f;
 
 // A triangle, a camera and a light, each by a node; the triangle's moves from x = 0 to 4 in 2 s.
 GltfFile moving() {
@@ -52,10 +52,10 @@ TEST(Animation, ANodeMovesItsMesh) {
     AnimatedScene animated(file.write());
     EXPECT_EQ(animated.seconds(), 2.0);
     EXPECT_EQ(animated.moveTo(0.5), SceneChange::kScene);
-    EXPECT_NEAR(animated.scene().positions[0].x, 1.0f, kRounding);
-    EXPECT_NEAR(animated.scene().bounds.lower.x, 1.0f, kRounding);
+    EXPECT_NEAR(animated.scene().positions[0].x, 1.0f, kPoseRounding);
+    EXPECT_NEAR(animated.scene().bounds.lower.x, 1.0f, kPoseRounding);
     EXPECT_EQ(animated.moveTo(9.0), SceneChange::kScene);
-    EXPECT_NEAR(animated.scene().positions[0].x, 4.0f, kRounding);
+    EXPECT_NEAR(animated.scene().positions[0].x, 4.0f, kPoseRounding);
     EXPECT_EQ(animated.moveTo(10.0), SceneChange::kNothing) << "after the last key it stands";
     EXPECT_EQ(animated.moveTo(0.0), SceneChange::kScene);
     EXPECT_EQ(animated.scene().positions[0].x, 0.0f);
@@ -70,7 +70,7 @@ TEST(Animation, PositionsAreToldWithoutMoving) {
     const auto then = animated.positionsAt(1.0);
     ASSERT_TRUE(then);
     ASSERT_EQ(then->size(), before.size());
-    EXPECT_NEAR((*then)[0].x, 2.0f, kRounding);
+    EXPECT_NEAR((*then)[0].x, 2.0f, kPoseRounding);
     EXPECT_EQ(animated.scene().positions, before);
     EXPECT_EQ(animated.moveTo(0.5), SceneChange::kNothing);
 }
@@ -106,7 +106,7 @@ TEST(Animation, ACameraThatMovesLeavesGeometryInPlace) {
     AnimatedScene animated(file.write());
     const vec3* positions = animated.scene().positions.data();
     EXPECT_EQ(animated.moveTo(0.5), SceneChange::kCameras);
-    EXPECT_NEAR(animated.scene().cameras[0].world_from_camera[3].y, 1.0f, kRounding);
+    EXPECT_NEAR(animated.scene().cameras[0].world_from_camera[3].y, 1.0f, kPoseRounding);
     EXPECT_EQ(animated.scene().positions.data(), positions);
     EXPECT_EQ(animated.moveTo(0.5), SceneChange::kNothing);
     EXPECT_EQ(animated.scene().positions.data(), positions);
@@ -135,11 +135,11 @@ TEST(Animation, LightsMoveAndChange) {
     AnimatedScene animated(file.write());
     EXPECT_EQ(animated.moveTo(1.0), SceneChange::kScene);
     const PunctualLight& light = animated.scene().lights[0];
-    EXPECT_NEAR(light.position.y, 3.0f, kRounding);
-    EXPECT_NEAR(light.intensity.x, 9.0f, kRounding);
-    EXPECT_NEAR(light.intensity.y, 4.5f, kRounding);
+    EXPECT_NEAR(light.position.y, 3.0f, kPoseRounding);
+    EXPECT_NEAR(light.intensity.x, 9.0f, kPoseRounding);
+    EXPECT_NEAR(light.intensity.y, 4.5f, kPoseRounding);
     EXPECT_EQ(light.intensity.z, 0.0f);
-    EXPECT_NEAR(animated.scene().cameras[0].y_fov, 1.0f, kRounding);
+    EXPECT_NEAR(animated.scene().cameras[0].y_fov, 1.0f, kPoseRounding);
     EXPECT_TRUE(animated.scene().warnings.empty())
         << testing::PrintToString(animated.scene().warnings);
 }
@@ -165,7 +165,7 @@ TEST(Animation, MorphTargetsFollowWeights) {
     addChannel(file, {0, 1}, {0, 0, 1, 0.5}, 1, ofNode(0, "weights"));
     AnimatedScene animated(file.write());
     animated.moveTo(0.5);
-    EXPECT_NEAR(animated.scene().positions[0].z, 0.5f + 2.5f, kRounding);
+    EXPECT_NEAR(animated.scene().positions[0].z, 0.5f + 2.5f, kPoseRounding);
 }
 
 TEST(Animation, SkinsFollowTheirJoints) {
@@ -181,7 +181,7 @@ TEST(Animation, SkinsFollowTheirJoints) {
     addChannel(file, {0, 1}, {0, 0, 0, 0, 6, 0}, 3, ofNode(3, "translation"));
     AnimatedScene animated(file.write());
     animated.moveTo(0.5);
-    EXPECT_NEAR(animated.scene().positions[0].y, 3.0f, kRounding);
+    EXPECT_NEAR(animated.scene().positions[0].y, 3.0f, kPoseRounding);
 }
 
 TEST(Animation, CubicSplinesAndStepsComeFromTheFile) {
@@ -195,7 +195,8 @@ TEST(Animation, CubicSplinesAndStepsComeFromTheFile) {
     AnimatedScene animated(file.write());
     animated.moveTo(0.5);
     const float s = 0.25f;
-    EXPECT_NEAR(animated.scene().positions[0].x, 8.0f * (s - 3 * s * s + 2 * s * s * s), kRounding);
+    EXPECT_NEAR(animated.scene().positions[0].x, 8.0f * (s - 3 * s * s + 2 * s * s * s),
+                kPoseRounding);
     EXPECT_EQ(animated.scene().cameras[0].world_from_camera[3].y, 0.0f);
 }
 

@@ -8,14 +8,14 @@
 namespace sheen {
 namespace {
 
-constexpr double kRounding = 1e-12;
+constexpr double kKeyRounding = 1e-12;
 
 using Values = std::vector<double>;
 
 void expectNear(const Values& found, const Values& expected) {
     ASSERT_EQ(found.size(), expected.size());
     for (size_t i = 0; i < found.size(); ++i) {
-        EXPECT_NEAR(found[i], expected[i], kRounding) << "number " << i;
+        EXPECT_NEAR(found[i], expected[i], kKeyRounding) << "number " << i;
     }
 }
 
@@ -114,7 +114,7 @@ TEST(Keyframes, SplinesOfRotationsAreUnit) {
                          .rotation = true};
     for (const double t : {0.0, 0.3, 1.0, 1.7, 2.0}) {
         const Values q = valueAt(keys, t);
-        EXPECT_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1.0, kRounding);
+        EXPECT_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1.0, kKeyRounding);
     }
     expectNear(valueAt(keys, 1.0), turn(0.5));  // half way by symmetry
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr uint32_t kSeeds = 3;
 constexpr double kSeen = 0.9;  // share of the pixels
 // What moved() promises, and rounding of what is written.
-constexpr float kLeastMove = 0.025f, kMostMove = 0.05f, kRounding = 1e-4f;
+constexpr float kLeastMove = 0.025f, kMostMove = 0.05f, kMoveRounding = 1e-4f;
 const float kLeastTurn = glm::radians(2.5f), kMostTurn = glm::radians(5.0f);
 
 std::vector<scenes::NamedScene> measuredScenes() {
@@ -48,13 +48,13 @@ float angleBetween(const vec3& a, const vec3& b) {
 }
 
 void expectMoved(const vec3& from, const vec3& to, float size) {
-    EXPECT_GE(glm::length(to - from), (kLeastMove - kRounding) * size);
-    EXPECT_LE(glm::length(to - from), (kMostMove + kRounding) * size);
+    EXPECT_GE(glm::length(to - from), (kLeastMove - kMoveRounding) * size);
+    EXPECT_LE(glm::length(to - from), (kMostMove + kMoveRounding) * size);
 }
 
 void expectTurned(const vec3& from, const vec3& to) {
-    EXPECT_GE(angleBetween(from, to), kLeastTurn - kRounding);
-    EXPECT_LE(angleBetween(from, to), kMostTurn + kRounding);
+    EXPECT_GE(angleBetween(from, to), kLeastTurn - kMoveRounding);
+    EXPECT_LE(angleBetween(from, to), kMostTurn + kMoveRounding);
 }
 
 void expectSameSurfaces(const Scene& a, const Scene& b) {

@@ -33,15 +33,15 @@ void expectNear(const vec3& n, const vec3& expected) {
     }
 }
 
-const float kUp = std::sqrt(0.5f);
+const float kHalfway = std::sqrt(0.5f);
 
 TEST(NormalMap, LeansAlongGrowingUAndFallingV) {
     // u along x, v along -y, as an image is seen.
-    expectNear(normalOf(leaning({0, 0, 1, 0, 0, -1}).load()), {0.5f, 0.5f, kUp});
+    expectNear(normalOf(leaning({0, 0, 1, 0, 0, -1}).load()), {0.5f, 0.5f, kHalfway});
     // Turned: u along y, v along x.
-    expectNear(normalOf(leaning({0, 0, 0, 1, 1, 0}).load()), {-0.5f, 0.5f, kUp});
+    expectNear(normalOf(leaning({0, 0, 0, 1, 1, 0}).load()), {-0.5f, 0.5f, kHalfway});
     // Mirrored: v along y.
-    expectNear(normalOf(leaning({0, 0, 1, 0, 0, 1}).load()), {0.5f, -0.5f, kUp});
+    expectNear(normalOf(leaning({0, 0, 1, 0, 0, 1}).load()), {0.5f, -0.5f, kHalfway});
 }
 
 TEST(NormalMap, FollowsTheFilesTangents) {
@@ -49,17 +49,17 @@ TEST(NormalMap, FollowsTheFilesTangents) {
     Json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
     attributes["TANGENT"] =
         file.addAccessor<float>({0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1}, kFloat, "VEC4", 4);
-    expectNear(normalOf(file.load()), {-0.5f, 0.5f, kUp});
+    expectNear(normalOf(file.load()), {-0.5f, 0.5f, kHalfway});
     attributes["TANGENT"] =
         file.addAccessor<float>({0, 1, 0, -1, 0, 1, 0, -1, 0, 1, 0, -1}, kFloat, "VEC4", 4);
-    expectNear(normalOf(file.load()), {0.5f, 0.5f, kUp});
+    expectNear(normalOf(file.load()), {0.5f, 0.5f, kHalfway});
     // A mirroring node mirrors what is seen, and nothing more.
     file.json["nodes"][0]["scale"] = {-1, 1, 1};
-    expectNear(normalOf(file.load()), {-0.5f, 0.5f, kUp});
+    expectNear(normalOf(file.load()), {-0.5f, 0.5f, kHalfway});
 }
 
 TEST(NormalMap, TurnsOverSeenFromTheBack) {
-    expectNear(normalOf(leaning({0, 0, 1, 0, 0, -1}).load(), -1.0f), {-0.5f, -0.5f, -kUp});
+    expectNear(normalOf(leaning({0, 0, 1, 0, 0, -1}).load(), -1.0f), {-0.5f, -0.5f, -kHalfway});
 }
 
 TEST(NormalMap, ScalesWhatLeans) {
@@ -67,7 +67,7 @@ TEST(NormalMap, ScalesWhatLeans) {
     file.json["materials"][0]["normalTexture"]["scale"] = 0.0;
     expectNear(normalOf(file.load()), {0, 0, 1});
     file.json["materials"][0]["normalTexture"]["scale"] = -1.0;
-    expectNear(normalOf(file.load()), {-0.5f, -0.5f, kUp});
+    expectNear(normalOf(file.load()), {-0.5f, -0.5f, kHalfway});
 }
 
 TEST(NormalMap, OfACoatLeavesTheSurfaceSmooth) {
@@ -77,11 +77,11 @@ TEST(NormalMap, OfACoatLeavesTheSurfaceSmooth) {
         {"clearcoatFactor", 1.0}, {"clearcoatNormalTexture", material["normalTexture"]}};
     const vec3 up(0, 0, 1);
     const auto normals = [&] { return normalsAt(file.load(), 0, vec3(1.0f / 3.0f), up, up); };
-    expectNear(normals().coat, {0.5f, 0.5f, kUp});
+    expectNear(normals().coat, {0.5f, 0.5f, kHalfway});
     EXPECT_FALSE(warnsOf(file.load(), "clearcoat"));
     material.erase("normalTexture");
     EXPECT_EQ(normals().mapped, up);
-    expectNear(normals().coat, {0.5f, 0.5f, kUp});
+    expectNear(normals().coat, {0.5f, 0.5f, kHalfway});
     material["extensions"]["KHR_materials_clearcoat"]["clearcoatNormalTexture"]["scale"] = 0.0;
     expectNear(normals().coat, up);
 }
@@ -89,7 +89,7 @@ TEST(NormalMap, OfACoatLeavesTheSurfaceSmooth) {
 TEST(NormalMap, WithoutCoordinatesTheSurfaceHasSomeFrame) {
     const Scene scene = leaning({0, 0, 0, 0, 0, 0}).load();
     EXPECT_NEAR(glm::length(normalOf(scene)), 1.0f, 1e-5f);
-    EXPECT_NEAR(normalOf(scene).z, kUp, 0.005f);
+    EXPECT_NEAR(normalOf(scene).z, kHalfway, 0.005f);
 }
 
 // A fan of two triangles that share an edge along which mirrored coordinates meet.

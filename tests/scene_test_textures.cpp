@@ -7,11 +7,11 @@
 namespace sheen {
 namespace {
 
-constexpr float kRounding = 1e-6f;
+constexpr float kTexelRounding = 1e-6f;
 
 void expectVec3(const vec3& value, const vec3& expected, const std::string& of = {}) {
     for (int c = 0; c < 3; ++c) {
-        EXPECT_NEAR(value[c], expected[c], kRounding) << of << " " << c;
+        EXPECT_NEAR(value[c], expected[c], kTexelRounding) << of << " " << c;
     }
 }
 
@@ -31,8 +31,8 @@ TEST(TextureUses, MetallicRoughnessIsGreenAndBlueAsStored) {
     pbr["roughnessFactor"] = 0.25;
     pbr["metallicRoughnessTexture"]["index"] = addPicture(file, plain(9, 153, 51));
     const MaterialParams at = atCorner(file.load(), 0);
-    EXPECT_NEAR(at.roughness, 0.25f * 0.6f, kRounding);
-    EXPECT_NEAR(at.metallic, 0.5f * 0.2f, kRounding);
+    EXPECT_NEAR(at.roughness, 0.25f * 0.6f, kTexelRounding);
+    EXPECT_NEAR(at.metallic, 0.5f * 0.2f, kTexelRounding);
 }
 
 TEST(TextureUses, EmissionIsSrgbTimesFactorAndStrength) {
@@ -47,7 +47,7 @@ TEST(TextureUses, EmissionIsSrgbTimesFactorAndStrength) {
     EXPECT_NEAR(emissionAt(scene, 0, vec3(1, 0, 0)).x, expected.x, 1e-5f);
     EXPECT_EQ(emissionAt(scene, 0, vec3(1, 0, 0)).y, expected.y);
     EXPECT_EQ(atCorner(scene, 0).emission, emissionAt(scene, 0, vec3(1, 0, 0)));
-    EXPECT_NEAR(meanEmission(scene, 0).y, expected.y, kRounding);
+    EXPECT_NEAR(meanEmission(scene, 0).y, expected.y, kTexelRounding);
 }
 
 // Of a texture that is white where u < 1/2: over the triangle's area, three quarters of it.

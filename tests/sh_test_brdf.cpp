@@ -7,6 +7,7 @@
 #include "scene/brdf_albedo.h"
 #include "sh/brdf_sh.h"
 #include "sh/brdf_sh_table.h"
+#include "sh_test_evaluate.h"
 #include "test_scenes.h"
 
 namespace sheen {
@@ -198,15 +199,6 @@ double localLobe(const BrdfShSample& lobe, float f0, float f90, const vec3& d, i
             sum +=
                 static_cast<double>(f0 * lobe.a[k] + f90 * lobe.b[k]) * y.c[shared::shIndex(l, m)];
         }
-    }
-    return sum;
-}
-
-double evaluate(const std::vector<float>& c, const vec3& d, int order) {
-    const shared::ShVector y = shared::shBasis(d, order);
-    double sum = 0.0;
-    for (int k = 0; k < order * order; ++k) {
-        sum += static_cast<double>(c[static_cast<size_t>(k)]) * y.c[k];
     }
     return sum;
 }

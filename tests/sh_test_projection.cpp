@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sh/projection.h"
+#include "sh_test_evaluate.h"
 #include "test_scenes.h"
 
 namespace sheen {
@@ -40,15 +41,6 @@ std::vector<float> render(const Hemisphere& h, const std::function<double(const 
         texels.push_back(static_cast<float>(sum / weight));
     }
     return texels;
-}
-
-double evaluate(const std::vector<float>& c, const vec3& d, int order) {
-    const shared::ShVector y = shared::shBasis(d, order);
-    double sum = 0.0;
-    for (int k = 0; k < order * order; ++k) {
-        sum += static_cast<double>(c[static_cast<size_t>(k)]) * y.c[k];
-    }
-    return sum;
 }
 
 // Largest deviation over the upper hemisphere.

@@ -5,6 +5,8 @@
 
 namespace sheen {
 
+const vec3 kUp(0, 1, 0);
+
 /// Light scattered once, every hit lit by itself.
 struct LitScene {
     explicit LitScene(const Scene& scene) : tracer(scene), light(tracer) {}

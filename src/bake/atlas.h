@@ -44,10 +44,12 @@ Atlas makeAtlas(const Scene& scene, const AtlasParams& params);
 /// The first where it will do, else the second and a warning why.
 Atlas atlasOf(const Scene& scene, const AtlasParams& params);
 
+/// Of two vectors of the plane: twice the area of their triangle, below 0 where it is mirrored.
+inline double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
 /// Twice the area that a triangle covers, in texels; below 0 where it is mirrored.
 inline double doubleArea(const std::array<vec2, 3>& c) {
-    return double{c[1].x - c[0].x} * double{c[2].y - c[0].y} -
-           double{c[1].y - c[0].y} * double{c[2].x - c[0].x};
+    return cross(glm::dvec2(c[1] - c[0]), glm::dvec2(c[2] - c[0]));
 }
 
 /// From where to where a triangle reaches within rows y to y + 1: x of its leftmost and rightmost

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "bake/atlas.h"
 #include "core/directions.h"
 
 namespace sheen {
@@ -22,9 +23,7 @@ using Corners = std::array<dvec2, 3>;
 constexpr float kLeastCosine = 0.8f;
 // Triangles may reach into each other by so much of the longer side of the rectangle around the
 // smaller one: rounding.
-constexpr double kTouch = 1e-5;
-
-double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
+constexpr double kAlmostTouch = 1e-5;
 
 // By how much two triangles reach into each other along the edges' normals of the first.
 double reachInto(const Corners& a, const Corners& b) {
@@ -60,7 +59,7 @@ bool overlap(const Corners& a, const Corners& b) {
     if (!around_a.meets(around_b)) {
         return false;
     }
-    const double touch = kTouch * std::min(around_a.side(), around_b.side());
+    const double touch = kAlmostTouch * std::min(around_a.side(), around_b.side());
     return reachInto(a, b) > touch && reachInto(b, a) > touch;
 }
 

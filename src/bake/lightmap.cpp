@@ -24,14 +24,12 @@ constexpr double kTouch = 1e-3;
 // Other points of a texel that are tried, along each side.
 constexpr int kTried = 4;
 
-double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
-
 // A triangle in the atlas.
-struct Flat {
+struct FlatTriangle {
     dvec2 corners[3];
     double area2;
 
-    explicit Flat(const std::array<vec2, 3>& c)
+    explicit FlatTriangle(const std::array<vec2, 3>& c)
         : corners{dvec2(c[0]), dvec2(c[1]), dvec2(c[2])}, area2(doubleArea(c)) {}
 
     bool lost() const { return area2 == 0.0; }
@@ -103,7 +101,7 @@ struct Maker {
             return glm::clamp(static_cast<int>(std::floor(v)), 0, size - 1);
         };
         for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-            const Flat flat(map.atlas.corners[i]);
+            const FlatTriangle flat(map.atlas.corners[i]);
             if (flat.lost()) {
                 continue;
             }
@@ -118,7 +116,7 @@ struct Maker {
             }
         }
     }
-    void offer(uint32_t triangle, const Flat& flat, int x, int y) {
+    void offer(uint32_t triangle, const FlatTriangle& flat, int x, int y) {
         if (!flat.touches(dvec2(x, y))) {
             return;
         }
@@ -155,7 +153,7 @@ struct Maker {
         const auto size = static_cast<size_t>(map.atlas.size);
         const dvec2 corner(i % size, i / size);
         const uint32_t triangle = map.triangles.pixels[i];
-        const Flat flat(map.atlas.corners[triangle]);
+        const FlatTriangle flat(map.atlas.corners[triangle]);
         const Point own = pointAt(triangle, flat.nearest(corner + 0.5));
         if (!solids.bury(own.side, own.normal)) {
             return own;

@@ -10,7 +10,7 @@ namespace sheen {
 namespace {
 
 // Records whose normals differ more are not compared.
-constexpr float kSameSurfaceCosine = 0.95f;
+constexpr float kComparedCosine = 0.95f;
 // Relative difference of neighbours that the gathers' own resolution explains.
 constexpr float kGatherNoise = 0.01f;
 
@@ -157,7 +157,7 @@ void PlacedRecords::heedNeighbours(size_t added) {
         const bool meet = glm::dot(d, d) <= reach * reach;
         const float distance = glm::length(d);
         if (neighbour.order != record.order || distance == 0.0f ||
-            glm::dot(record.normal, neighbour.normal) < kSameSurfaceCosine ||
+            glm::dot(record.normal, neighbour.normal) < kComparedCosine ||
             0.5f * std::abs(glm::dot(d, record.normal + neighbour.normal)) > weight_.slab * reach) {
             continue;
         }

@@ -15,7 +15,6 @@ namespace {
 // Hints beside a wall lie half a cell before it; by this share of a cell all are moved, so that
 // none lies in a surface that halves the box.
 constexpr float kShift = 0.01f;
-constexpr int kGrain = 8;
 
 // From the middle of a box of these half sides along a unit direction to its border.
 float toBorder(const vec3& half, const vec3& d) {
@@ -85,9 +84,9 @@ HintGrid::HintGrid(const Tracer& tracer, const HintLattice& lattice)
       looks_(points_.size()),
       links_(static_cast<size_t>(lattice.count()), 0) {
     parallelFor(
-        lattice_.count(), [this](int hint) { look(hint); }, kGrain);
+        lattice_.count(), [this](int hint) { look(hint); }, kHintGrain);
     parallelFor(
-        lattice_.count(), [this](int hint) { link(hint); }, kGrain);
+        lattice_.count(), [this](int hint) { link(hint); }, kHintGrain);
 }
 
 uint32_t HintGrid::seedOf(int hint) const {

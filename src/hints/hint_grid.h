@@ -12,6 +12,9 @@
 
 namespace sheen {
 
+/// So many hints, or packets of points asked of them, are one piece of work for a thread.
+constexpr int kHintGrain = 8;
+
 /// A lattice of equal cells, in world space. Two of one origin share cells where the sizes of one
 /// are those of the other divided by a power of two.
 struct HintLattice {

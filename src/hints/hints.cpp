@@ -9,8 +9,6 @@
 namespace sheen {
 namespace {
 
-constexpr int kGrain = 8;
-
 template <class T>
 void add(const std::vector<T>& what, float factor, std::vector<T>& to) {
     for (size_t i = 0; i < to.size(); ++i) {
@@ -83,7 +81,7 @@ void RadianceHints::anchorLooks(size_t index) {
     volume.anchors.assign(static_cast<size_t>(count) * HintGrid::kLooks, HintGrid::kUnseen);
     volume.volumes.assign(volume.anchors.size(), 0);
     parallelFor(
-        count, [&](int hint) { anchorLooksOf(hint, index); }, kGrain);
+        count, [&](int hint) { anchorLooksOf(hint, index); }, kHintGrain);
 }
 
 // What a hint of a volume met is lit by that volume or, outside of it, a wider one.
@@ -144,7 +142,7 @@ RadianceHints::Values RadianceHints::ofSky(const Volume& volume, const SkySample
         }
         keepMissed(params_.order, sums);
     };
-    parallelFor(sky.empty() ? 0 : volume.grid.lattice().count(), light_hint, kGrain);
+    parallelFor(sky.empty() ? 0 : volume.grid.lattice().count(), light_hint, kHintGrain);
     return light;
 }
 
@@ -157,7 +155,7 @@ RadianceHints::Values RadianceHints::ofSamples(const Volume& volume) const {
             addSamples(volume.grid, hint, sums);
             keepMissed(params_.order, sums);
         },
-        kGrain);
+        kHintGrain);
     return light;
 }
 
@@ -243,7 +241,7 @@ std::vector<RadianceHints::Values> RadianceHints::scattered(
                 }
                 keepMissed(params_.order, sums);
             },
-            kGrain);
+            kHintGrain);
     }
     return again;
 }

@@ -95,7 +95,6 @@ int RadianceHints::lightReceivers(const Receivers& receivers, size_t begin, size
 
 HintLight RadianceHints::at(const Receivers& receivers) const {
     constexpr size_t kTogether = Tracer::kPacket;
-    constexpr int kGrain = 8;
     const auto count = static_cast<size_t>(receivers.count());
     HintLight light;
     light.irradiance.assign(count, vec3(0.0f));
@@ -111,7 +110,7 @@ HintLight RadianceHints::at(const Receivers& receivers) const {
             const size_t begin = static_cast<size_t>(packet) * kTogether;
             unseen += lightReceivers(receivers, begin, std::min(begin + kTogether, count), light);
         },
-        kGrain);
+        kHintGrain);
     light.unseen = unseen;
     return light;
 }

@@ -15,7 +15,7 @@
 namespace sheen {
 namespace {
 
-constexpr int kMaxSide = 16384;
+constexpr int kMaxHdrSide = 16384;
 constexpr int kChannels = 4;  // red, green, blue, their exponent
 // Lines of at least this many texels may be run lengths, a channel after the other.
 constexpr int kShortestRunLine = 8;
@@ -41,9 +41,9 @@ std::string readWhole(const std::string& path) {
 }
 
 // A file's bytes from the front on; what is asked for beyond its end is an error.
-class Reader {
+class PixelReader {
   public:
-    Reader(const std::string& path, const std::string& bytes) : path_(path), bytes_(bytes) {}
+    PixelReader(const std::string& path, const std::string& bytes) : path_(path), bytes_(bytes) {}
 
     std::string line() {
         const size_t end = bytes_.find('\n', at_);
@@ -88,7 +88,7 @@ struct Header {
     float scale = 1.0f;  ///< of the texels, undoing exposures that the file says were applied
 };
 
-Header readHeader(const std::string& path, Reader& reader) {
+Header readHeader(const std::string& path, PixelReader& reader) {
     if (reader.line().rfind("#?", 0) != 0) {
         throwInput("{}: not a Radiance file", path);
     }
@@ -109,16 +109,16 @@ Header readHeader(const std::string& path, Reader& reader) {
     std::istringstream text(size);
     std::string y, x;
     text >> y >> header.height >> x >> header.width;
-    const auto valid = [](int side) { return side >= 1 && side <= kMaxSide; };
+    const auto valid = [](int side) { return side >= 1 && side <= kMaxHdrSide; };
     if (!text || y != "-Y" || x != "+X" || !valid(header.height) || !valid(header.width)) {
         throwInput("{}: size '{}': must be -Y HEIGHT +X WIDTH, each 1..{}; convert it", path,
-                   oneLine(size), kMaxSide);
+                   oneLine(size), kMaxHdrSide);
     }
     return header;
 }
 
 // One line as run lengths; `line` [texel][channel].
-void readRuns(Reader& reader, int width, std::vector<uint8_t>& line) {
+void readRuns(PixelReader& reader, int width, std::vector<uint8_t>& line) {
     for (int i = 0; i < kChannels; ++i) {
         reader.byte();  // startsRuns() has seen them
     }
@@ -142,7 +142,7 @@ void readRuns(Reader& reader, int width, std::vector<uint8_t>& line) {
 
 // One line texel by texel; 1 1 1 N repeats the texel before it N times, and where another follows,
 // that one N * 256 times.
-void readTexels(Reader& reader, int width, std::vector<uint8_t>& line) {
+void readTexels(PixelReader& reader, int width, std::vector<uint8_t>& line) {
     int shift = 0;
     for (int x = 0; x < width;) {
         uint8_t* const texel = &line[static_cast<size_t>(x * kChannels)];
@@ -170,7 +170,7 @@ void readTexels(Reader& reader, int width, std::vector<uint8_t>& line) {
 
 Image<vec3> readHdr(const std::string& path) {
     const std::string bytes = readWhole(path);
-    Reader reader(path, bytes);
+    PixelReader reader(path, bytes);
     const Header header = readHeader(path, reader);
     // A damaged header may promise an image for which there is no memory. A run of 127 takes two
     // bytes, an old one four for 255 * 256 texels.

@@ -24,7 +24,7 @@ constexpr float kDifference = 1.2f;
 constexpr size_t kFewest = 8;
 // A node has a side: photons turned by more than this cosine lie on another. Where these are more
 // than this share, it is opened.
-constexpr float kTurned = 0.7f;
+constexpr float kSide = 0.7f;
 constexpr float kMixed = 0.2f;
 
 }  // namespace
@@ -80,7 +80,7 @@ Sums sumsOf(std::span<const Photon> photons) {
     const vec3& n_g = photons[sums.center].n_g;
     size_t turned = 0;
     for (const Photon& photon : photons) {
-        if (glm::dot(photon.n_g, n_g) > kTurned) {
+        if (glm::dot(photon.n_g, n_g) > kSide) {
             sums.density += luminance(photon.power);
         } else {
             ++turned;

@@ -10,15 +10,16 @@ namespace sheen {
 namespace {
 
 // How long a cell may be, and how many triangles may be divided into together (gridDivisions()).
-constexpr float kLengthOfSize = 1.0f / 128.0f;
-constexpr size_t kBudget = 1 << 20;
+constexpr float kIrradianceCellOfSize = 1.0f / 128.0f;
+constexpr size_t kMostIrradianceCells = 1 << 20;
 
 }  // namespace
 
 IrradianceCells::IrradianceCells(const Tracer& tracer, const std::vector<Bounds>& near)
     : tracer_(tracer) {
     const Scene& scene = tracer.scene();
-    const std::vector<uint32_t> n = gridDivisions(scene, near, kLengthOfSize, kBudget);
+    const std::vector<uint32_t> n =
+        gridDivisions(scene, near, kIrradianceCellOfSize, kMostIrradianceCells);
     size_t count = 0;
     triangles_.reserve(n.size());
     for (size_t i = 0; i < n.size(); ++i) {

@@ -12,7 +12,6 @@
 namespace sheen {
 namespace {
 
-constexpr int kPacket = Tracer::kPacket;
 // A pixel's samples in turn: those after the first where the ones before disagree, here or in
 // pixels around. Were only those looked at again that disagree by chance, what they say would be
 // biased.
@@ -83,9 +82,9 @@ class PixelLamps {
 
     // Adds samples first to first + count of the pixel's sequence.
     void add(int first, int count, Sum& sum) const {
-        for (int i = first; i < first + count; i += kPacket) {
-            vec3 light[kPacket], open[kPacket];
-            vec3 shares[kPacket];
+        for (int i = first; i < first + count; i += Tracer::kPacket) {
+            vec3 light[Tracer::kPacket], open[Tracer::kPacket];
+            vec3 shares[Tracer::kPacket];
             addTowardLamps(i, light, open, shares, sum);
             if (lobe_) {
                 addFollowed(i, light, [this](const vec2& u) {
@@ -96,7 +95,7 @@ class PixelLamps {
             if (large_) {
                 addFollowed(i, light, cosineDirection);
             }
-            for (int k = 0; k < kPacket; ++k) {
+            for (int k = 0; k < Tracer::kPacket; ++k) {
                 const float plain = luminance(light[k]), all = luminance(open[k]);
                 const float arriving = luminancePassing(shares[k], open[k]);
                 sum.light += light[k];
@@ -109,7 +108,7 @@ class PixelLamps {
                 sum.with_open += plain * all;
                 sum.with_arriving += plain * arriving;
             }
-            sum.count += kPacket;
+            sum.count += Tracer::kPacket;
         }
     }
 
@@ -135,9 +134,9 @@ class PixelLamps {
   private:
     // And what of it, at each sample, is a share of what is known to arrive where nothing hides it.
     void addTowardLamps(int first, vec3* light, vec3* open, vec3* shares, Sum& sum) const {
-        Way ways[kPacket];
-        bool tells[kPacket] = {};
-        for (int k = 0; k < kPacket; ++k) {
+        Way ways[Tracer::kPacket];
+        bool tells[Tracer::kPacket] = {};
+        for (int k = 0; k < Tracer::kPacket; ++k) {
             const vec3 u = glm::fract(start_ + static_cast<float>(first + k) * kSpread);
             light[k] = open[k] = vec3(0.0f);
             const auto s = lamps_.sample(point_.side, point_.surface.n, u);
@@ -153,7 +152,7 @@ class PixelLamps {
             }
         }
         const Tracer::Shares passing = tracer_.passing(ways);
-        for (size_t k = 0; k < kPacket; ++k) {
+        for (size_t k = 0; k < Tracer::kPacket; ++k) {
             const bool arrives = passing[k] != vec3(0.0f);
             sum.hidden += tells[k] && !arrives ? 1 : 0;
             sum.free += tells[k] && arrives ? 1 : 0;
@@ -165,10 +164,10 @@ class PixelLamps {
     // Adds what lies in directions toward(u) of the normal's frame.
     template <class F>
     void addFollowed(int first, vec3* light, const F& toward) const {
-        vec3 directions[kPacket];
-        int of[kPacket];
+        vec3 directions[Tracer::kPacket];
+        int of[Tracer::kPacket];
         size_t count = 0;
-        for (int k = 0; k < kPacket; ++k) {
+        for (int k = 0; k < Tracer::kPacket; ++k) {
             const vec2 u = glm::fract(lobe_start_ + static_cast<float>(first + k) * vec2(kSpread));
             const vec3 wi = toward(u);
             const vec3 direction = glm::normalize(frame_ * wi);
@@ -177,7 +176,7 @@ class PixelLamps {
                 directions[count++] = direction;
             }
         }
-        Hit hits[kPacket];
+        Hit hits[Tracer::kPacket];
         tracer_.meet({.origin = point_.side.start(), .directions = {directions, count}}, hits);
         for (size_t i = 0; i < count; ++i) {
             if (!hits[i].found() || !lamps_.isLamp(hits[i].triangle)) {
@@ -285,8 +284,8 @@ Image<vec3> lampLight(const Tracer& tracer, const LampSampler& lamps, int width,
     Image<uint8_t> wanted(width, height, 1);
     int first = 0;
     for (const int samples : kSamples) {
-        const int packets = static_cast<int>(share * static_cast<float>(samples / kPacket));
-        const int count = kPacket * (first == 0 ? std::max(packets, 1) : packets);
+        const int packets = static_cast<int>(share * static_cast<float>(samples / Tracer::kPacket));
+        const int count = Tracer::kPacket * (first == 0 ? std::max(packets, 1) : packets);
         if (count == 0) {
             continue;
         }

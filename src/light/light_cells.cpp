@@ -12,8 +12,8 @@ namespace sheen {
 namespace {
 
 // How long a cell may be, and how many there may be (gridDivisions()).
-constexpr float kLengthOfSize = 1.0f / 256.0f;
-constexpr size_t kBudget = 1 << 22;
+constexpr float kLitCellOfSize = 1.0f / 256.0f;
+constexpr size_t kMostLightCells = 1 << 22;
 
 // A cell may be larger than what a ray stands for by this factor: neighbouring rays then see one
 // cell, or its neighbours, and together as much light.
@@ -95,7 +95,8 @@ struct LightCells::LitTriangle {
 
 LightCells::LightCells(const Tracer& tracer, std::span<const PunctualLight> lights,
                        const std::vector<Bounds>& near) {
-    const std::vector<uint32_t> n = gridDivisions(tracer.scene(), near, kLengthOfSize, kBudget);
+    const std::vector<uint32_t> n =
+        gridDivisions(tracer.scene(), near, kLitCellOfSize, kMostLightCells);
     const size_t count = n.size();
     std::vector<LitTriangle> lit(count);
     parallelFor(

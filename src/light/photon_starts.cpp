@@ -12,7 +12,7 @@ namespace {
 // Surfaces are divided into cells of this share of the scene, at most so many; each has
 // two sides.
 constexpr float kCellShare = 1.0f / 64.0f;
-constexpr size_t kMostCells = 1u << 18u;
+constexpr size_t kMostStartCells = 1u << 18u;
 constexpr size_t kMostParts = 1024;
 // A share of the photons starts anywhere.
 constexpr double kAnywhere = 0.2;
@@ -46,7 +46,7 @@ PhotonStarts::PhotonStarts(const Scene& scene, bool specular) {
     for (size_t i = 0; i < wanted.size(); ++i) {
         wanted[i] = !specular || maybeSpecular(scene, scene.materials[i]) ? 1 : 0;
     }
-    const std::vector<uint32_t> divisions = gridDivisions(scene, {}, kCellShare, kMostCells);
+    const std::vector<uint32_t> divisions = gridDivisions(scene, {}, kCellShare, kMostStartCells);
     for (const bool back : {false, true}) {
         for (uint32_t t = 0; t < divisions.size(); ++t) {
             if (wanted[scene.materials_of[t]] != 0) {

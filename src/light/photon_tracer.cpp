@@ -19,8 +19,6 @@
 namespace sheen {
 namespace {
 
-constexpr int kPacket = Tracer::kPacket;
-
 // Some photons, one in so many and then again, find out where others are worth while.
 constexpr int kPilots[] = {8, 8};
 // Where a photon starts it chooses from so many ways to lights.
@@ -34,7 +32,7 @@ constexpr double kMostCopies = 256.0;
 constexpr float kLikeliest = 0.95f;
 
 // Random numbers of a photon, by what they are for.
-enum Use : uint32_t { kWhich, kWhere, kSource, kLamp, kLampPoint, kSky, kFirstLobe };
+enum PhotonUse : uint32_t { kWhichPhoton, kWhere, kSource, kLamp, kLampPoint, kSky, kFirstLobe };
 
 // A photon on its way.
 struct Flight {
@@ -190,7 +188,7 @@ double PhotonTracer::start(const PhotonStarts& starts, int number, int count, ui
                            double most, std::vector<Flight>& flights) const {
     const uint32_t own = pcgHash(static_cast<uint32_t>(number) + pcgHash(seed));
     const auto [patch_index, probability] =
-        starts.choose((number + double{randomPlace(own, kWhich).x}) / count);
+        starts.choose((number + double{randomPlace(own, kWhichPhoton).x}) / count);
     const Patch& patch = starts.patch(patch_index);
     const vec2 u = randomPlace(own, kWhere);
     const float root = std::sqrt(u.x);
@@ -300,8 +298,8 @@ PhotonTracer::Traced PhotonTracer::traceAll(const PhotonStarts& starts, int coun
         }
         for (int bounce = 1; !flights.empty(); ++bounce) {
             std::vector<Flight> next;
-            for (size_t i = 0; i < flights.size(); i += kPacket) {
-                const size_t packet = std::min<size_t>(kPacket, flights.size() - i);
+            for (size_t i = 0; i < flights.size(); i += Tracer::kPacket) {
+                const size_t packet = std::min<size_t>(Tracer::kPacket, flights.size() - i);
                 fly({&flights[i], packet}, bounce, batch.landed, next);
             }
             flights = std::move(next);
@@ -317,9 +315,9 @@ PhotonTracer::Traced PhotonTracer::traceAll(const PhotonStarts& starts, int coun
 
 void PhotonTracer::fly(std::span<const Flight> flights, int bounce, std::vector<Landed>& landed,
                        std::vector<Flight>& next) const {
-    vec3 origins[kPacket];
-    vec3 directions[kPacket];
-    Hit hits[kPacket];
+    vec3 origins[Tracer::kPacket];
+    vec3 directions[Tracer::kPacket];
+    Hit hits[Tracer::kPacket];
     for (size_t k = 0; k < flights.size(); ++k) {
         origins[k] = flights[k].origin;
         directions[k] = flights[k].direction;

@@ -10,7 +10,7 @@ namespace {
 
 // Cells along an image's longer side, at the most: what is smaller and bright is a sun, and a light
 // of its own.
-constexpr int kMostCells = 512;
+constexpr int kMostSkyCells = 512;
 
 // What comes from each cell, [row][column]: the mean of its texels and of those around it, since
 // between texels light is interpolated, times the solid angle.
@@ -67,7 +67,7 @@ SkySampler::SkySampler(const Environment& environment) : environment_(environmen
         return;
     }
     const int longer = std::max(texels.width, texels.height);
-    const int step = (longer + kMostCells - 1) / kMostCells;
+    const int step = (longer + kMostSkyCells - 1) / kMostSkyCells;
     width_ = std::max(texels.width / step, 1);
     height_ = std::max(texels.height / step, 1);
     const std::vector<float> light = lightOfCells(texels, width_, height_);

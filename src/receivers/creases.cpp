@@ -13,7 +13,7 @@ constexpr float kParallel = 0.9f;
 // In front of the tangent plane, by this much of the way there: more than surfaces curve.
 constexpr float kSteepness = 0.3f;
 // Higher steps are known to the records around them; in footprints.
-constexpr float kFarthest = 4.0f;
+constexpr float kHighest = 4.0f;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ std::vector<uint8_t> findCreases(const Receivers& receivers) {
         const vec3& normal = receivers.normals[own];
         const vec3 way = receivers.positions[other] - receivers.positions[own];
         const float height = glm::dot(way, normal);
-        const float farthest = kFarthest * receivers.footprints[own];
+        const float farthest = kHighest * receivers.footprints[own];
         const float length2 = glm::dot(way, way);
         return height > 0.0f && height * height > kSteepness * kSteepness * length2 &&
                length2 < farthest * farthest && receivers.seen(other) &&

@@ -14,7 +14,7 @@
 namespace sheen::gltf {
 namespace {
 
-constexpr const char* kName = "KHR_draco_mesh_compression";
+constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
 // A mesh's accessor in its stored type, one element after the other; none where the decoder has no
 // such numbers.
@@ -120,10 +120,10 @@ bool lacksNumbers(const File& file, const tinygltf::Primitive& primitive) {
                        [&](const auto& a) { return lacksNumbers(file, a.second); });
 }
 
-class Primitive {
+class CompressedPrimitive {
   public:
-    Primitive(File& file, tinygltf::Primitive& primitive, const tinygltf::Value& extension,
-              std::string where)
+    CompressedPrimitive(File& file, tinygltf::Primitive& primitive,
+                        const tinygltf::Value& extension, std::string where)
         : file_(file), primitive_(primitive), extension_(extension), where_(std::move(where)) {}
 
     void decompress() {
@@ -132,7 +132,7 @@ class Primitive {
         checkCounts(bytes);
         mesh_ = decoded(bytes);
         if (!mesh_) {
-            file_.fail(where_, "{} cannot be decompressed; copy or export the file again", kName);
+            file_.fail(where_, "{} cannot be decompressed; copy or export the file again", kDraco);
         }
         for (const auto& [name, accessor] : primitive_.attributes) {
             giveAttribute(name, accessor);
@@ -146,14 +146,14 @@ class Primitive {
         constexpr uint64_t kMostOfByte = 1024;
         if (promisedCount(bytes) > kMostOfByte * bytes.size) {
             file_.fail(where_, "{} of {} bytes cannot hold what it promises; export the file again",
-                       kName, bytes.size);
+                       kDraco, bytes.size);
         }
         for (const auto& [name, accessor] : primitive_.attributes) {
             const uint64_t count =
                 file_.at(file_.model.accessors, accessor, where_, "accessor").count;
             if (count > kMostOfByte * bytes.size) {
                 file_.fail(where_, "{} of {} bytes cannot hold {} vertices; export the file again",
-                           kName, bytes.size, count);
+                           kDraco, bytes.size, count);
             }
             checkMemory({.bytes = count * sizeof(vec4)}, file_.path, "split the scene");
         }
@@ -178,8 +178,8 @@ class Primitive {
                 ? std::nullopt
                 : storedValues(*attribute, mesh_->num_points(), accessor.componentType, components);
         if (!values) {
-            file_.fail(where_, "{} and accessor {} ({}) do not agree; export the file again", kName,
-                       index, oneLine(name));
+            file_.fail(where_, "{} and accessor {} ({}) do not agree; export the file again",
+                       kDraco, index, oneLine(name));
         }
         give(file_, accessor, std::move(*values));
     }
@@ -218,11 +218,11 @@ void decompressMeshes(File& file) {
         tinygltf::Mesh& mesh = file.model.meshes[m];
         for (size_t i = 0; i < mesh.primitives.size(); ++i) {
             tinygltf::Primitive& primitive = mesh.primitives[i];
-            const auto extension = primitive.extensions.find(kName);
+            const auto extension = primitive.extensions.find(kDraco);
             if (extension != primitive.extensions.end() && lacksNumbers(file, primitive)) {
                 const std::string where =
                     fmt::format("{}, primitive {}", label("mesh", m, mesh.name), i);
-                Primitive(file, primitive, extension->second, where).decompress();
+                CompressedPrimitive(file, primitive, extension->second, where).decompress();
             }
         }
     }

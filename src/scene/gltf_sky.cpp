@@ -14,7 +14,7 @@
 namespace sheen::gltf {
 namespace {
 
-constexpr const char* kName = "EXT_lights_image_based";
+constexpr const char* kSkyExtension = "EXT_lights_image_based";
 constexpr size_t kFaces = 6;
 constexpr int kLargestFace = 2048;
 // Texels divided by their least alpha stay below what a scene's lights may bring.
@@ -146,13 +146,13 @@ Environment loadSky(File& file) {
         return {};
     }
     const auto& own = file.model.scenes[static_cast<size_t>(shown)].extensions;
-    if (own.count(kName) == 0) {
+    if (own.count(kSkyExtension) == 0) {
         return {};
     }
     const std::string where = "the scene's image-based light";
     try {
-        const int index = integerMember(file, own.at(kName), "light", -1, where);
-        const auto root = file.model.extensions.find(kName);
+        const int index = integerMember(file, own.at(kSkyExtension), "light", -1, where);
+        const auto root = file.model.extensions.find(kSkyExtension);
         const bool any = root != file.model.extensions.end() && root->second.Has("lights");
         const tinygltf::Value lights = any ? root->second.Get("lights") : tinygltf::Value();
         const int count = lights.IsArray() ? static_cast<int>(lights.ArrayLen()) : 0;
