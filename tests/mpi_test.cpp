@@ -198,6 +198,27 @@ TEST_F(MpiAnimate, BakedLightHasTheSameBits) {
     EXPECT_FALSE(fs::exists(file("ranks.exr")));
 }
 
+TEST_F(MpiAnimate, AFrameWhoseRecordsAllGatherHasTheSameBits) {
+    // Light kept at elements, by photons, and none; several passes, which look differently.
+    for (const char* options : {"", "--kept-by photons", "--bounces 1", "--target-error 0.02"}) {
+        const std::string render =
+            fmt::format("render scene.gltf --size 24x16 --threads 1 {}", options);
+        ASSERT_EQ(call(render + " -o alone.exr").code, 0) << options;
+        const Outcome run = onRanks(3, render + " -o ranks.exr");
+        ASSERT_EQ(run.code, 0) << run.err;
+        EXPECT_TRUE(textOf(file("ranks.exr")) == textOf(file("alone.exr"))) << options;
+        fs::remove(file("ranks.exr"));
+    }
+    for (const char* options : {"--method reference --spp 4", "--gather hemicube --bounces 1"}) {
+        const Outcome run = onRanks(
+            2, fmt::format("render scene.gltf --size 24x16 --aa 1 {} -o ranks.exr", options));
+        EXPECT_EQ(run.code, 2) << run.err;
+        ASSERT_EQ(linesOf(run).size(), 2u) << "the file moves\n" << run.err;
+        EXPECT_NE(linesOf(run)[1].find("run it without mpirun"), std::string::npos) << run.err;
+        EXPECT_FALSE(fs::exists(file("ranks.exr")));
+    }
+}
+
 TEST_F(MpiAnimate, PointsOfAChartAreMeasuredOnce) {
     const std::string chart =
         "chart scene.gltf --methods reference,irradiance --size 16x12 --reference-spp 64 "

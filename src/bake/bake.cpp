@@ -11,7 +11,6 @@
 #include "core/progress.h"
 #include "core/timer.h"
 #include "gather/light_around.h"
-#include "gather/ray_gather.h"
 #include "gather/shared_gather.h"
 #include "light/direct.h"
 #include "rays/jitter.h"
@@ -203,27 +202,29 @@ Baked gatherLight(const Tracer& tracer, const Receivers& given, const BakeParams
     const Timer made;
     const BakeLight light(tracer, someOf(scene, receivers), params.bounces);
     baked.stats.seconds_lights = made.seconds();
-    if (!params.indirect_only && job.first()) {
+    if (!params.indirect_only) {
         const Timer direct;
         baked.frame.direct = directIrradiance(tracer, light.lights, receivers);
         baked.stats.seconds_direct = direct.seconds();
     }
-    RayGatherer own(light.outgoing(), {.size = gatherSize(GatherRoad::kRays, params.accuracy)},
-                    false, BelowHorizon::kNothing);
-    if (!job.first()) {
-        serveGather(own, job);
-        return baked;
-    }
-    SharedGatherer shared(own, job);
-    Gatherer& gatherer = job.isShared() ? static_cast<Gatherer&>(shared) : own;
+    const std::unique_ptr<Gatherer> gatherer =
+        gatherByAll(light.gatherer(params.accuracy), job, [&] { return light.written(); });
     (params.method == BakeMethod::kRecords ? byRecords : byTexels)(scene, receivers, params,
-                                                                   gatherer, baked);
+                                                                   *gatherer, baked);
     if (params.directional && !params.indirect_only) {
         const Timer direct;
         addDirectSh(tracer, light.lights, receivers, baked.sh);
         baked.stats.seconds_direct += direct.seconds();
     }
     return baked;
+}
+
+void serveBake(const Tracer& tracer, const BakeParams& params, const RankedJob& job) {
+    std::optional<BakeLight> light;
+    serveGathers(job, [&](const std::string& told) {
+        light.emplace(tracer, ByteReader(told), params.bounces);
+        return light->gatherer(params.accuracy);
+    });
 }
 
 Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
@@ -246,9 +247,6 @@ Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
             }
             bakeByPaths(tracer, map, params, baked);
             break;
-    }
-    if (!job.first()) {
-        return baked;
     }
     baked.frame.primitive = map.triangles;
     baked.frame.coverage = Image<float>(size, size);

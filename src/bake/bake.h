@@ -54,12 +54,16 @@ struct Baked {
 
 /// The light of receivers of a lightmap's kind (texels.h), by records or at each: the layers
 /// direct, unless only the indirect is asked for, and indirect, and `sh` where it is asked for. Of
-/// a shared job the first rank has them, and the others, who gather for it, nothing.
+/// a shared job on the first rank; the others serve it (serveBake()).
 Baked gatherLight(const Tracer& tracer, const Receivers& receivers, const BakeParams& params,
                   const RankedJob& job = {});
 
+/// On other ranks than the first: gathers what a bake there, of this scene and these parameters,
+/// asks for, by the light that it has found, until it ends.
+void serveBake(const Tracer& tracer, const BakeParams& params, const RankedJob& job);
+
 /// Usage error for what the reference has none of, and for a reference of several ranks. The same
-/// bits for any number of threads and ranks, of which the first has the result.
+/// bits for any number of threads and ranks; likewise on the first rank.
 Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
            const RankedJob& job = {});
 

@@ -9,10 +9,8 @@
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/timer.h"
-#include "gather/ray_gather.h"
 #include "gather/shared_gather.h"
 #include "rays/jitter.h"
-#include "render/gather_road.h"
 
 namespace sheen {
 namespace {
@@ -160,17 +158,12 @@ LightProbes bakeLightProbes(const Tracer& tracer, const HintLattice& lattice,
     const Timer made;
     const BakeLight light(tracer, someOf(free.points), params.bounces);
     probes.stats.seconds_lights = made.seconds();
-    RayGatherer own(light.outgoing(), {.size = gatherSize(GatherRoad::kRays, params.accuracy)},
-                    false, BelowHorizon::kNothing);
-    if (!job.first()) {
-        serveGather(own, job);
-        return probes;
-    }
-    SharedGatherer shared(own, job);
+    const std::unique_ptr<Gatherer> gatherer =
+        gatherByAll(light.gatherer(params.accuracy), job, [&] { return light.written(); });
     constexpr auto kSize = static_cast<size_t>(kLightProbeOrder * kLightProbeOrder);
     probes.light.assign(probes.solid.size(), ShLight(kSize, vec3(0.0f)));
     const Timer gather;
-    addGathered(job.isShared() ? static_cast<Gatherer&>(shared) : own, free, params.quiet, probes);
+    addGathered(*gatherer, free, params.quiet, probes);
     probes.stats.seconds_gather = gather.seconds();
     if (!params.indirect_only) {
         const Timer direct;

@@ -31,7 +31,7 @@ struct LightProbes {
 
 /// Light of all kinds that arrives there, or, by BakeParams::indirect_only, without what comes
 /// straight from lights and lamps. By records alone. The same bits for any number of threads and
-/// ranks, of which the first has the result.
+/// ranks; on the first, which the others serve (serveBake()).
 LightProbes bakeLightProbes(const Tracer& tracer, const HintLattice& lattice,
                             const BakeParams& params, const RankedJob& job = {});
 

@@ -99,7 +99,7 @@ std::vector<Json> FrameMaker::make(Ranks& ranks, const std::string& job,
 }
 
 void FrameMaker::serve(Ranks& ranks, const std::string& job) {
-    ranks.serve(job, [this](const std::string& unit) { return makeOne(unit); });
+    ranks.serve(job, [this](const std::string& unit) { return makeOne(unit); }, {});
 }
 
 std::string FrameMaker::unitOf(int frame) const {

@@ -198,8 +198,13 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
         checkOutputs(files, scene.files);
     }
     const Tracer tracer(scene);
+    const RankedJob job{.ranks = &ranks, .text = jobText(keyOf(*o.app, scene), o.outputs.front())};
+    if (!ranks.first()) {
+        serveBake(tracer, o.params, job);
+        return ExitCode::kDone;
+    }
     if (!o.probes.empty()) {
-        runProbes(o, tracer, ranks, load_seconds);
+        runProbes(o, tracer, job, load_seconds);
         return ExitCode::kDone;
     }
     const Lightmap map = lightmapOf(tracer, atlasOf(scene, o.atlas));
@@ -208,12 +213,7 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
         })) {
         checkLightmapped(scene, fileOf(o, map));
     }
-    const Baked baked =
-        bake(tracer, map, o.params,
-             {.ranks = &ranks, .text = jobText(keyOf(*o.app, scene), o.outputs.front())});
-    if (!ranks.first()) {
-        return ExitCode::kDone;
-    }
+    const Baked baked = bake(tracer, map, o.params, job);
     writeOutputs(o, scene, map, baked);
     if (baked.stats.uncovered > 0) {
         warn(fmt::format("{} texels have no record: their numbers are not sound",

@@ -5,7 +5,6 @@
 #include "bake/light_probes.h"
 #include "cli/options.h"
 #include "cli/output.h"
-#include "cli/sequence_file.h"
 #include "core/timer.h"
 #include "image/exr.h"
 
@@ -112,16 +111,11 @@ void checkProbeOptions(const BakeOptions& o) {
     probeLattice(o.probes, {});
 }
 
-void runProbes(const BakeOptions& o, const Tracer& tracer, Ranks& ranks, double load) {
+void runProbes(const BakeOptions& o, const Tracer& tracer, const RankedJob& job, double load) {
     const Timer timer;
     const Scene& scene = tracer.scene();
     const HintLattice lattice = probeLattice(o.probes, scene.bounds);
-    const LightProbes probes = bakeLightProbes(
-        tracer, lattice, o.params,
-        {.ranks = &ranks, .text = jobText(keyOf(*o.app, scene), o.outputs.front())});
-    if (!ranks.first()) {
-        return;
-    }
+    const LightProbes probes = bakeLightProbes(tracer, lattice, o.params, job);
     if (probes.free == 0) {
         warn("all probes lie within solids: they are black");
     }

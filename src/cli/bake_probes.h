@@ -10,7 +10,7 @@ namespace sheen::cli {
 /// Usage error for outputs and options that are of lightmaps, and for what says no lattice.
 void checkProbeOptions(const BakeOptions& o);
 
-/// Bakes and writes them; `load`: seconds that loading took.
-void runProbes(const BakeOptions& o, const Tracer& tracer, Ranks& ranks, double load);
+/// Bakes and writes them, on the job's first rank; `load`: seconds that loading took.
+void runProbes(const BakeOptions& o, const Tracer& tracer, const RankedJob& job, double load);
 
 }  // namespace sheen::cli

@@ -105,7 +105,8 @@ ExitCode runChart(const CLI::App& app, ChartOptions& o, Ranks& ranks) {
     if (ranks.count() > 1) {
         const std::string job = jobText(app, o.params);
         if (!ranks.first()) {
-            ranks.serve(job, [&](const std::string& unit) { return measurePoint(o.params, unit); });
+            ranks.serve(job, [&](const std::string& unit) { return measurePoint(o.params, unit); },
+                        {});
             return ExitCode::kDone;
         }
         measurePoints(o.params, ranks, job);

@@ -15,12 +15,12 @@ struct Command {
     std::function<ExitCode()> run;  ///< owns the option values
 };
 
-Command addRender(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addManual(CLI::App& program);
 Command addCompletion(CLI::App& program);
 /// `ranks`: that its work is shared out over; must outlive it.
+Command addRender(CLI::App& program, Ranks& ranks);
 Command addAnimate(CLI::App& program, Ranks& ranks);
 Command addBake(CLI::App& program, Ranks& ranks);
 Command addChart(CLI::App& program, Ranks& ranks);

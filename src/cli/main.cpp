@@ -8,8 +8,8 @@ int main(int argc, char** argv) {
     return runProgram(argc, argv, [&](CLI::App& program) {
         becomeRank(argc, argv);
         return std::vector<Command>{
-            addRender(program),      addView(program, argv), addAnimate(program, ranks),
-            addCompare(program),     addInfo(program),       addChart(program, ranks),
-            addBake(program, ranks), addManual(program),     addCompletion(program)};
+            addRender(program, ranks), addView(program, argv), addAnimate(program, ranks),
+            addCompare(program),       addInfo(program),       addChart(program, ranks),
+            addBake(program, ranks),   addManual(program),     addCompletion(program)};
     });
 }

@@ -10,9 +10,9 @@ int main(int argc, char** argv) {
     return cli::runProgram(
         argc, argv,
         [&](CLI::App& program) {
-            return std::vector<cli::Command>{cli::addAnimate(program, ranks),
-                                             cli::addBake(program, ranks),
-                                             cli::addChart(program, ranks)};
+            return std::vector<cli::Command>{
+                cli::addRender(program, ranks), cli::addAnimate(program, ranks),
+                cli::addBake(program, ranks), cli::addChart(program, ranks)};
         },
         [&](const Failure& failure) {
             if (ranks.first()) {

@@ -5,9 +5,11 @@
 #include "cli/commands.h"
 #include "cli/render_report.h"
 #include "cli/render_wanted.h"
+#include "cli/sequence_file.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "image/png.h"
+#include "render/shared_frame.h"
 
 namespace sheen::cli {
 namespace {
@@ -15,11 +17,11 @@ namespace {
 // Of a time limit: what writing may take, and ending.
 constexpr double kWriteShare = 0.03;
 
-ExitCode runRender(RenderOptions& o) {
+ExitCode runRender(const CLI::App& app, RenderOptions& o, Ranks& ranks) {
     const Timer total;
     const FileKind kind = understand(o);
     allowLightmaps(o);
-    setThreadCount(o.threads);
+    setThreadCount(o.threads > 0 ? o.threads : ranks.threads());
 
     const Timer load;
     const Scene scene = loadScene(o.scene, o.load);
@@ -28,6 +30,15 @@ ExitCode runRender(RenderOptions& o) {
     }
     understandFile(o, scene);
     const double load_seconds = load.seconds();
+    RankedJob job{.ranks = &ranks};
+    if (job.isShared()) {
+        checkShared(o.params);
+        job.text = jobText(keyOf(app, scene), o.output);
+    }
+    if (!ranks.first()) {
+        serveFrame(scene, o.params, job);
+        return ExitCode::kDone;
+    }
     checkOutputs({{"-o", o.output}, {"--json", o.json}, {"--cache", o.cache}}, scene.files);
 
     const double limit = o.params.time_limit;
@@ -36,7 +47,7 @@ ExitCode runRender(RenderOptions& o) {
         constexpr double kLeast = 1e-3;
         o.params.time_limit = std::max(limit - total.seconds() - kWriteShare * limit, kLeast);
     }
-    Session session(scene);
+    Session session(scene, job);
     RenderResult result = renderWanted(session, scene, o);
     const Timer write;
     if (kind == FileKind::kPng) {
@@ -57,11 +68,11 @@ ExitCode runRender(RenderOptions& o) {
 
 }  // namespace
 
-Command addRender(CLI::App& program) {
+Command addRender(CLI::App& program, Ranks& ranks) {
     CLI::App* app = program.add_subcommand("render", "Render one frame of a scene");
     const auto options = std::make_shared<RenderOptions>();
     addRenderOptions(*app, *options);
-    return {app, [options] { return runRender(*options); }};
+    return {app, [app, options, &ranks] { return runRender(*app, *options, ranks); }};
 }
 
 }  // namespace sheen::cli

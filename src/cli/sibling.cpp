@@ -20,7 +20,7 @@ std::string becomeSibling(const char* name, char** arguments) {
 }
 
 void becomeRank(int argc, char** argv) {
-    constexpr std::string_view kShared[] = {"animate", "bake", "chart"};
+    constexpr std::string_view kShared[] = {"render", "animate", "bake", "chart"};
     const char* const ranks = std::getenv("OMPI_COMM_WORLD_SIZE");  // set by Open MPI's mpirun
     if (ranks == nullptr || std::string_view(ranks) == "1" || argc < 2 ||
         std::find(std::begin(kShared), std::end(kShared), argv[1]) == std::end(kShared)) {

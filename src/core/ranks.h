@@ -10,6 +10,8 @@ namespace sheen {
 
 /// Does a unit, which says what to do, and answers. The same answer on every rank.
 using DoUnit = std::function<std::string(const std::string& unit)>;
+/// Hears what the units that follow depend on.
+using Hear = std::function<void(const std::string& told)>;
 /// Hears the answer to a unit, by its index.
 using UnitDone = std::function<void(size_t unit, const std::string& answer)>;
 
@@ -26,6 +28,10 @@ class Ranks {
     /// A rank's share of its machine's processors; 0: all of them.
     virtual int threads() const = 0;
 
+    /// On the first rank: what the others hear before they do units of any share() that follows,
+    /// each once.
+    virtual void tell(std::string what) = 0;
+
     /// On the first rank: has every unit done, each by whichever rank is free, and tells `done` as
     /// answers come, one at a time. `job` says what ranks must agree upon. A rank whose machine
     /// fails it (environment errors) is left out with a warning, and its unit is done last, by
@@ -34,8 +40,9 @@ class Ranks {
     virtual void share(const std::string& job, std::span<const std::string> units,
                        const DoUnit& work, const UnitDone& done) = 0;
 
-    /// On the others: does units of that job until the first rank has no more, ever.
-    virtual void serve(const std::string& job, const DoUnit& work) = 0;
+    /// On the others: does units of that job until the first rank has no more, ever. `hear`: what
+    /// it tells them; none where it tells nothing.
+    virtual void serve(const std::string& job, const DoUnit& work, const Hear& hear) = 0;
 };
 
 /// One process, which does one unit after the other.
@@ -44,13 +51,14 @@ class OneRank : public Ranks {
     int count() const override { return 1; }
     bool first() const override { return true; }
     int threads() const override { return 0; }
+    void tell(std::string) override {}
     void share(const std::string&, std::span<const std::string> units, const DoUnit& work,
                const UnitDone& done) override {
         for (size_t i = 0; i < units.size(); ++i) {
             done(i, work(units[i]));
         }
     }
-    void serve(const std::string&, const DoUnit&) override {}
+    void serve(const std::string&, const DoUnit&, const Hear&) override {}
 };
 
 /// What ranks do together.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <type_traits>
+#include <utility>
 
 #include "core/bytes.h"
 #include "core/timer.h"
@@ -59,7 +60,17 @@ std::string gatherUnit(Gatherer& own, const std::string& unit) {
     return out.bytes();
 }
 
-}  // namespace
+class SharedGatherer : public Gatherer {
+  public:
+    SharedGatherer(std::unique_ptr<Gatherer> own, const RankedJob& job)
+        : own_(std::move(own)), job_(job) {}
+
+    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override;
+
+  private:
+    std::unique_ptr<Gatherer> own_;
+    const RankedJob& job_;
+};
 
 std::vector<GatheredRecord> SharedGatherer::gather(std::span<const RecordSite> sites) {
     constexpr size_t kUnitsOfARank = 2;  // so that no one waits long for the slowest
@@ -77,7 +88,7 @@ std::vector<GatheredRecord> SharedGatherer::gather(std::span<const RecordSite> s
     }
     std::vector<GatheredRecord> records(sites.size());
     job_.ranks->share(
-        job_.text, units, [this](const std::string& unit) { return gatherUnit(own_, unit); },
+        job_.text, units, [this](const std::string& unit) { return gatherUnit(*own_, unit); },
         [&](size_t unit, const std::string& answer) {
             size_t k = unit * of_unit;
             for (ByteReader in(answer); !in.atEnd(); ++k) {
@@ -88,8 +99,25 @@ std::vector<GatheredRecord> SharedGatherer::gather(std::span<const RecordSite> s
     return records;
 }
 
-void serveGather(Gatherer& own, const RankedJob& job) {
-    job.ranks->serve(job.text, [&](const std::string& unit) { return gatherUnit(own, unit); });
+}  // namespace
+
+std::unique_ptr<Gatherer> gatherByAll(std::unique_ptr<Gatherer> own, const RankedJob& job,
+                                      const std::function<std::string()>& told) {
+    if (!job.isShared()) {
+        return own;
+    }
+    job.ranks->tell(told());
+    return std::make_unique<SharedGatherer>(std::move(own), job);
+}
+
+void serveGathers(const RankedJob& job, const MakeGatherer& make) {
+    std::unique_ptr<Gatherer> own;
+    job.ranks->serve(
+        job.text, [&](const std::string& unit) { return gatherUnit(*own, unit); },
+        [&](const std::string& told) {
+            own.reset();
+            own = make(told);
+        });
 }
 
 }  // namespace sheen

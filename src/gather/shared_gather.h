@@ -2,26 +2,25 @@
 // matter who gathers it.
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <string>
+
 #include "core/ranks.h"
 #include "gather/gatherer.h"
 
 namespace sheen {
 
-/// Of the first rank: has sites gathered by all. Records that live for some frames (lookAheadBy())
-/// it does not know.
-class SharedGatherer : public Gatherer {
-  public:
-    /// `own`: what this rank gathers its share by. Both must outlive it.
-    SharedGatherer(Gatherer& own, const RankedJob& job) : own_(own), job_(job) {}
+/// On the first rank: what has sites gathered by all, `own` this rank's share; `own` itself where
+/// there is one rank alone. `told`: asked for once, what the others make theirs of. Records that
+/// live for some frames (lookAheadBy()) it does not know. The job must outlive it.
+std::unique_ptr<Gatherer> gatherByAll(std::unique_ptr<Gatherer> own, const RankedJob& job,
+                                      const std::function<std::string()>& told);
 
-    std::vector<GatheredRecord> gather(std::span<const RecordSite> sites) override;
+/// Makes what gathers of what the first rank told. The one before is gone by then.
+using MakeGatherer = std::function<std::unique_ptr<Gatherer>(const std::string& told)>;
 
-  private:
-    Gatherer& own_;
-    const RankedJob& job_;
-};
-
-/// On the others: gathers, by `own`, what a SharedGatherer asks for, until the first rank ends.
-void serveGather(Gatherer& own, const RankedJob& job);
+/// On the others: gathers what is asked for until the first rank ends.
+void serveGathers(const RankedJob& job, const MakeGatherer& make);
 
 }  // namespace sheen

@@ -58,6 +58,21 @@ ElementLight::ElementLight(const ScatteredOnce& once, Elements elements, int bou
     solve(equations, bounces, ways.most());
 }
 
+ElementLight::ElementLight(ByteReader& in) : elements_(in) {
+    kept_.resize(in.get<uint64_t>());
+    for (std::vector<vec3>& irradiances : kept_) {
+        irradiances = in.get<std::vector<vec3>>();
+    }
+}
+
+void ElementLight::write(ByteWriter& out) const {
+    elements_.write(out);
+    out.put(uint64_t{kept_.size()});
+    for (const std::vector<vec3>& irradiances : kept_) {
+        out.put(irradiances);
+    }
+}
+
 // Where a ray meets a surface the first of the elements around is asked, and by how much another
 // one's light differs: that one by chance, each as often as it counts, since there are many rays.
 // What arrives of light that is the same everywhere has no noise, which all bounces would add up.

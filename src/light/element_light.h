@@ -16,8 +16,11 @@ class ElementLight : public KeptLight {
     /// `once`: what lights do to surfaces. `bounces`: as WaysOn has them.
     ElementLight(const ScatteredOnce& once, Elements elements, int bounces);
 
+    explicit ElementLight(ByteReader& in);
+
     std::optional<vec3> irradiance(const ElementSite& at, int followed) const override;
     size_t size() const override { return elements_.size(); }
+    void write(ByteWriter& out) const override;
 
   private:
     struct Equation;

@@ -29,6 +29,21 @@ uint64_t mix(uint64_t x) {
 
 }  // namespace
 
+Elements::Elements(ByteReader& in)
+    : elements_(in.get<std::vector<Element>>()),
+      levels_(in.get<std::vector<int>>()),
+      voxels_(in.get<std::vector<Voxel>>()),
+      filled_(in.get<size_t>()),
+      links_(in.get<std::vector<Link>>()) {}
+
+void Elements::write(ByteWriter& out) const {
+    out.put(elements_);
+    out.put(levels_);
+    out.put(voxels_);
+    out.put(filled_);
+    out.put(links_);
+}
+
 size_t Elements::sector(const mat3& frame, const vec3& direction) {
     const float x = glm::dot(direction, frame[0]);
     const float y = glm::dot(direction, frame[1]);

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/bytes.h"
 #include "rays/surface_point.h"
 
 namespace sheen {
@@ -28,6 +29,11 @@ class Elements {
     /// Around its normal an element knows the way to what stands on its surface by so many sectors.
     static constexpr int kSectors = 8;
     using Ways = std::array<float, kSectors>;
+
+    Elements() = default;
+    /// As another process wrote them.
+    explicit Elements(ByteReader& in);
+    void write(ByteWriter& out) const;
 
     size_t size() const { return elements_.size(); }
     const ElementSite& site(size_t i) const { return elements_[i].site; }

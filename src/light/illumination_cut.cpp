@@ -178,6 +178,14 @@ IlluminationCut::IlluminationCut(const Tracer& tracer, const PhotonMap& map) {
     }
 }
 
+IlluminationCut::IlluminationCut(ByteReader& in)
+    : elements_(in), irradiances_(in.get<std::vector<vec3>>()) {}
+
+void IlluminationCut::write(ByteWriter& out) const {
+    elements_.write(out);
+    out.put(irradiances_);
+}
+
 std::optional<vec3> IlluminationCut::irradiance(const ElementSite& at) const {
     constexpr float kLeastWeight = 1e-3f;
     const vec3& p = at.side.position;
@@ -211,6 +219,21 @@ PhotonLight::PhotonLight(const Tracer& tracer, const SceneLights& lights, int co
         std::copy_if(photons.begin(), photons.end(), std::back_inserter(few),
                      [&](const Photon& p) { return p.scattered < bounces - followed; });
         cuts_.emplace_back(tracer, PhotonMap(std::move(few), kReach * box.size()));
+    }
+}
+
+PhotonLight::PhotonLight(ByteReader& in) : bounces_(in.get<int>()) {
+    const auto cuts = in.get<uint64_t>();
+    for (uint64_t i = 0; i < cuts; ++i) {
+        cuts_.emplace_back(in);
+    }
+}
+
+void PhotonLight::write(ByteWriter& out) const {
+    out.put(bounces_);
+    out.put(uint64_t{cuts_.size()});
+    for (const IlluminationCut& cut : cuts_) {
+        cut.write(out);
     }
 }
 

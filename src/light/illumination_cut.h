@@ -19,6 +19,9 @@ class IlluminationCut {
   public:
     IlluminationCut(const Tracer& tracer, const PhotonMap& map);
 
+    explicit IlluminationCut(ByteReader& in);
+    void write(ByteWriter& out) const;
+
     size_t size() const { return elements_.size(); }
     /// By the nodes around; none where no node is.
     std::optional<vec3> irradiance(const ElementSite& at) const;
@@ -38,8 +41,11 @@ class PhotonLight : public KeptLight {
     /// By `count` photons that start. `bounces`: as WaysOn has them.
     PhotonLight(const Tracer& tracer, const SceneLights& lights, int count, int bounces);
 
+    explicit PhotonLight(ByteReader& in);
+
     std::optional<vec3> irradiance(const ElementSite& at, int followed) const override;
     size_t size() const override;
+    void write(ByteWriter& out) const override;
 
   private:
     int bounces_;

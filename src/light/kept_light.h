@@ -20,6 +20,8 @@ class KeptLight {
     virtual std::optional<vec3> irradiance(const ElementSite& at, int followed) const = 0;
     /// So many values are kept.
     virtual size_t size() const = 0;
+    /// For another process of the same scene: each kind reads what it wrote.
+    virtual void write(ByteWriter& out) const = 0;
 };
 
 }  // namespace sheen

@@ -30,6 +30,7 @@ class ScatteredAgain : public OutgoingLight {
     /// Near what share of these nothing is kept.
     double lackingShare(std::span<const ElementSite> sites) const;
     size_t keptCount() const { return kept_->size(); }
+    void writeKept(ByteWriter& out) const { kept_->write(out); }
     /// Near what share of the points so far nothing was kept.
     double missedShare() const;
 

@@ -13,7 +13,7 @@ enum class MessageKind : int {
     kReady = 2,   ///< to the first rank: the job that units are wanted of
     kDone = 3,    ///< to the first rank: the answer to a unit, and what was warned of
     kFailed = 4,  ///< to the first rank: the exit code and why; no unit is wanted any more
-    kUnit = 5,    ///< what to do
+    kUnit = 5,    ///< what to do; then, where it is news, what that depends on
     kLeave = 6,   ///< there is nothing more to do
 };
 

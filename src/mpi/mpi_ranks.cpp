@@ -67,7 +67,7 @@ MpiRanks::~MpiRanks() {
             ranks_[static_cast<size_t>(await().from)].state = State::kLeftOut;
         }
     } else if (!let_go_) {
-        serve({}, {});
+        serve({}, {}, {});
     }
     MPI_Finalize();
 }
@@ -184,13 +184,24 @@ bool MpiRanks::handOut(const std::string& job, Sharing& sharing) {
         if (rank == 0) {
             local_->give(sharing.work, sharing.units[other.unit]);
         } else {
-            send(static_cast<int>(rank), MessageKind::kUnit, {sharing.units[other.unit]});
+            std::vector<std::string> texts = {sharing.units[other.unit]};
+            if (other.heard != tellings_) {
+                texts.push_back(told_);
+                other.heard = tellings_;
+            }
+            send(static_cast<int>(rank), MessageKind::kUnit, texts);
         }
         other.state = State::kBusy;
         sharing.left.pop_front();
         any = true;
     }
     return any;
+}
+
+void MpiRanks::tell(std::string what) {
+    SHEEN_CHECK(first());
+    told_ = std::move(what);
+    ++tellings_;
 }
 
 void MpiRanks::share(const std::string& job, std::span<const std::string> units, const DoUnit& work,
@@ -223,11 +234,18 @@ void MpiRanks::share(const std::string& job, std::span<const std::string> units,
     }
 }
 
-void MpiRanks::serve(const std::string& job, const DoUnit& work) {
+void MpiRanks::serve(const std::string& job, const DoUnit& work, const Hear& hear) {
     SHEEN_CHECK(!first());
     send(0, MessageKind::kReady, {job});
     for (Message message = await(); message.kind != MessageKind::kLeave; message = await()) {
-        Outcome outcome = outcomeOf(work, message.texts.at(0));
+        const auto hear_and_work = [&](const std::string& unit) {
+            if (message.texts.size() > 1) {
+                SHEEN_CHECK(hear);
+                hear(message.texts[1]);
+            }
+            return work(unit);
+        };
+        Outcome outcome = outcomeOf(hear_and_work, message.texts.at(0));
         std::vector<std::string>& texts = outcome.warnings;
         texts.insert(texts.begin(), std::move(outcome.answer));
         send(0, MessageKind::kDone, texts);

@@ -29,9 +29,10 @@ class MpiRanks : public Ranks {
     int count() const override { return count_; }
     bool first() const override { return rank_ == 0; }
     int threads() const override { return threads_; }
+    void tell(std::string what) override;
     void share(const std::string& job, std::span<const std::string> units, const DoUnit& work,
                const UnitDone& done) override;
-    void serve(const std::string& job, const DoUnit& work) override;
+    void serve(const std::string& job, const DoUnit& work, const Hear& hear) override;
 
     /// On others than the first: tells that one why no more units are done here.
     void giveUp(const Failure& failure);
@@ -44,6 +45,7 @@ class MpiRanks : public Ranks {
         State state = State::kPreparing;
         size_t unit = 0;  // while busy
         std::string job = {};
+        int heard = 0;  // so many of what was told, or of what came later
     };
     // What is shared out.
     struct Sharing {
@@ -66,6 +68,8 @@ class MpiRanks : public Ranks {
 
     int rank_ = 0, count_ = 1, threads_ = 0;
     std::vector<Other> ranks_;  // [rank]; of the first: all, itself included
+    std::string told_;          // of the first: the last
+    int tellings_ = 0;
     std::set<std::string> warned_;
     std::unique_ptr<LocalWorker> local_;  // of the first
     Listener mute_;

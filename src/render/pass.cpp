@@ -10,7 +10,9 @@
 #include "core/timer.h"
 #include "gather/raster_gather.h"
 #include "gather/ray_gather.h"
+#include "gather/shared_gather.h"
 #include "gl/objects.h"
+#include "render/shared_frame.h"
 
 namespace sheen {
 namespace {
@@ -61,10 +63,11 @@ void prepareField(ViewState& view, const PlacementParams& how, int gather_size, 
 
 std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const ViewState& view,
                                        const HemisphereParams& hemisphere) {
-    const bool without_caustics = !view.caustic.empty();
     switch (state.road) {
         case GatherRoad::kRays:
-            return std::make_unique<RayGatherer>(*view.outgoing, hemisphere, without_caustics);
+            return gatherByAll(std::make_unique<RayGatherer>(*view.outgoing, hemisphere,
+                                                             view.recordsLackCaustics()),
+                               state.job, [&] { return toldOf(state, view, hemisphere); });
         case GatherRoad::kRaster:
             return std::make_unique<RasterGatherer>(state.pool, state.gpu, hemisphere);
     }

@@ -250,7 +250,7 @@ bool findsCaustics(Method method, GatherRoad road) {
     return method != Method::kDenoised && method != Method::kLightmap && smoothsEdges(method, road);
 }
 
-Session::Session(const Scene& scene) : scene_(scene) {}
+Session::Session(const Scene& scene, RankedJob job) : scene_(scene), job_(std::move(job)) {}
 Session::~Session() = default;
 
 void Session::keepRecords(KeptRecords records, std::string recipe) {
@@ -278,6 +278,7 @@ RenderResult Session::renderByState(const RenderParams& params, const Timer& tim
     if (!state_ || state_->road != params.gather_road || state_->backend != params.gl) {
         state_.reset();  // never two of them in memory
         state_ = std::make_unique<SceneState>(scene_, params.gather_road, params.gl, seconds);
+        state_->job = job_;
     }
     RenderParams smoothed = params;
     smoothed.specular.pixel_area = params.aa > 1;

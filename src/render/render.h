@@ -12,6 +12,7 @@
 #include "cache/placement_params.h"
 #include "cache/record_field.h"
 #include "core/bounces.h"
+#include "core/ranks.h"
 #include "core/timer.h"
 #include "gl/context.h"
 #include "glossy/specular_rays.h"
@@ -166,7 +167,8 @@ struct SceneState;
 /// cache is made once, when a frame first needs it, and serves all frames of the same road.
 class Session {
   public:
-    explicit Session(const Scene& scene);
+    /// `job`: whose ranks gather (shared_frame.h), this one being the first.
+    explicit Session(const Scene& scene, RankedJob job = {});
     ~Session();
 
     /// Renders one frame. Usage error where the method does not support an option or the camera
@@ -188,6 +190,7 @@ class Session {
     KeptRecords* keptFor(const RenderParams& params);
 
     const Scene& scene_;
+    const RankedJob job_;
     std::unique_ptr<SceneState> state_;
     bool keeps_ = false;
     std::string recipe_;  // of what is kept

@@ -207,7 +207,9 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
     outgoing = ground != nullptr ? ground->outgoing
                : state.lightmaps ? static_cast<const OutgoingLight*>(&*state.lightmaps)
                                  : &*state.outgoing;
-    if (params.bounces > 1 && ground == nullptr) {
+    if (ground != nullptr) {
+        again = ground->again;
+    } else if (params.bounces > 1) {
         const StageTimer timer(seconds.bounces);
         again = state.scatteredAgain(receivers, params, kept != nullptr);
         outgoing = &*again;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "cache/fill.h"
+#include "core/ranks.h"
 #include "gl/worker_pool.h"
 #include "glossy/specular_rays.h"
 #include "light/lightmap_light.h"
@@ -22,7 +23,8 @@ struct SceneState {
     const Scene& scene;
     const GatherRoad road;
     const gl::Backend backend;
-    bool specular;  // some surface is
+    RankedJob job = {};  // whose ranks gather
+    bool specular;       // some surface is
     gl::WorkerPool pool;
     Tracer tracer;
     std::optional<SceneLights> lights;       // always there
@@ -55,7 +57,7 @@ struct SceneState {
 /// Made of a camera once: its pixels as receivers, what of their light records are not asked for,
 /// and the records gathered so far.
 struct ViewState {
-    std::shared_ptr<const ScatteredAgain> again;  // none of one bounce
+    std::shared_ptr<const ScatteredAgain> again;  // none of one bounce; a veil's: its ground's
     const OutgoingLight* outgoing = nullptr;      // what rays see
     Receivers receivers;
     Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
@@ -79,6 +81,9 @@ struct ViewState {
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
               const ViewState& ground)
         : ViewState(state, params, seconds, veil, &ground, nullptr) {}
+    /// Whether its records know nothing of caustics, which are a layer of their own.
+    bool recordsLackCaustics() const { return !caustic.empty(); }
+
     /// Its records are kept for other views.
     ~ViewState();
     ViewState(const ViewState&) = delete;
