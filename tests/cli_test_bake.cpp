@@ -52,6 +52,27 @@ TEST_F(CliBakeTest, whatIsBakedIsShown) {
                 "has no lightmaps");
 }
 
+// Killed once some of its records are kept, at whatever moment that is.
+TEST_F(CliBakeTest, whatWasInterruptedGoesOn) {
+    const std::string bake = "bake scene.gltf --size 64 --accuracy 0.05 --method texels -q";
+    ASSERT_EQ(call(bake + " -o whole.exr").code, 0);
+    EXPECT_FALSE(fs::exists(file("whole.exr.unfinished")));
+    std::ofstream(file("kill.sh")) << fmt::format(
+        "'{}' {} -o parts.exr & job=$!\n"
+        "size() {{ stat -c %s parts.exr.unfinished 2>/dev/null || echo 0; }}\n"
+        "while [ $(size) -lt 4096 ] && kill -0 $job; do :; done\n"
+        "kill -9 $job; wait $job",
+        SHEEN_PROGRAM, bake);
+    callShell("sh kill.sh");
+    ASSERT_TRUE(fs::exists(file("parts.exr.unfinished")));
+    ASSERT_FALSE(fs::exists(file("parts.exr")));
+    const Outcome rest = call(bake + " -o parts.exr --json parts.json");
+    ASSERT_EQ(rest.code, 0) << rest.err;
+    EXPECT_GT(Json::parse(textOf(file("parts.json"))).at("records_continued"), 0);
+    EXPECT_TRUE(textOf(file("parts.exr")) == textOf(file("whole.exr")));
+    EXPECT_FALSE(fs::exists(file("parts.exr.unfinished")));
+}
+
 // Nine coefficients of three channels, as THREE.SphericalHarmonics3.fromArray() takes them.
 TEST_F(CliBakeTest, lightProbes) {
     const Outcome baked =

@@ -207,8 +207,7 @@ Baked gatherLight(const Tracer& tracer, const Receivers& given, const BakeParams
         baked.frame.direct = directIrradiance(tracer, light.lights, receivers);
         baked.stats.seconds_direct = direct.seconds();
     }
-    const std::unique_ptr<Gatherer> gatherer =
-        gatherByAll(light.gatherer(params.accuracy), job, [&] { return light.written(); });
+    const std::unique_ptr<Gatherer> gatherer = light.gatherer(params, job);
     (params.method == BakeMethod::kRecords ? byRecords : byTexels)(scene, receivers, params,
                                                                    *gatherer, baked);
     if (params.directional && !params.indirect_only) {

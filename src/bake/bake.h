@@ -6,6 +6,7 @@
 #include "bake/lightmap.h"
 #include "core/bounces.h"
 #include "core/ranks.h"
+#include "gather/gather_log.h"
 #include "image/frame.h"
 
 namespace sheen {
@@ -26,6 +27,8 @@ struct BakeParams {
     int spp = 1024;     ///< of the reference
     uint32_t seed = 0;  ///< likewise
     bool quiet = false;
+    /// What was gathered is kept there, and taken from there; null: nowhere. Of records and texels.
+    GatherLog* log = nullptr;
 };
 
 struct BakeStats {

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "bake/bake.h"
 #include "gather/gatherer.h"
 #include "light/scattered_again.h"
 
@@ -24,6 +25,8 @@ struct BakeLight {
 
     /// By records of this accuracy. This must outlive it.
     std::unique_ptr<Gatherer> gatherer(float accuracy) const;
+    /// The same by all ranks, and by what is in the log, if there is one. So must they.
+    std::unique_ptr<Gatherer> gatherer(const BakeParams& params, const RankedJob& job) const;
 
     const OutgoingLight& outgoing() const {
         return again ? static_cast<const OutgoingLight&>(*again) : once;

@@ -9,7 +9,6 @@
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/timer.h"
-#include "gather/shared_gather.h"
 #include "rays/jitter.h"
 
 namespace sheen {
@@ -158,8 +157,7 @@ LightProbes bakeLightProbes(const Tracer& tracer, const HintLattice& lattice,
     const Timer made;
     const BakeLight light(tracer, someOf(free.points), params.bounces);
     probes.stats.seconds_lights = made.seconds();
-    const std::unique_ptr<Gatherer> gatherer =
-        gatherByAll(light.gatherer(params.accuracy), job, [&] { return light.written(); });
+    const std::unique_ptr<Gatherer> gatherer = light.gatherer(params, job);
     constexpr auto kSize = static_cast<size_t>(kLightProbeOrder * kLightProbeOrder);
     probes.light.assign(probes.solid.size(), ShLight(kSize, vec3(0.0f)));
     const Timer gather;

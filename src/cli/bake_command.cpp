@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bake/encode.h"
 #include "bake/seams.h"
+#include "chart/point_file.h"
 #include "cli/bake_options.h"
 #include "cli/bake_probes.h"
 #include "cli/commands.h"
@@ -94,6 +96,7 @@ Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, con
     } else {
         json["accuracy"] = o.params.accuracy;
         json["records"] = s.records;
+        json["records_continued"] = o.params.log->reused();
         json["records_share"] = s.records / std::max(1.0, double(map.covered - map.buried));
         json["texels_uncovered"] = s.uncovered;
     }
@@ -120,6 +123,10 @@ void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, co
     } else {
         fmt::print("records     {}: {:.2f}% of the texels\n", baked.stats.records,
                    100.0 * baked.stats.records / std::max(1, map.covered - map.buried));
+        if (o.params.log->reused() > 0) {
+            fmt::print("continued   with {} of them, gathered before it was interrupted\n",
+                       o.params.log->reused());
+        }
     }
     if (seams.texels > 0) {
         fmt::print(
@@ -203,8 +210,17 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
         serveBake(tracer, o.params, job);
         return ExitCode::kDone;
     }
+    std::optional<GatherLog> log;
+    const auto keep_gathered = [&] {
+        if (o.params.method != BakeMethod::kReference) {
+            log.emplace(o.outputs.front() + ".unfinished", fileHash("/proc/self/exe") + job.text);
+            o.params.log = &*log;
+        }
+    };
     if (!o.probes.empty()) {
+        keep_gathered();
         runProbes(o, tracer, job, load_seconds);
+        log->remove();
         return ExitCode::kDone;
     }
     const Lightmap map = lightmapOf(tracer, atlasOf(scene, o.atlas));
@@ -213,8 +229,12 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
         })) {
         checkLightmapped(scene, fileOf(o, map));
     }
+    keep_gathered();
     const Baked baked = bake(tracer, map, o.params, job);
     writeOutputs(o, scene, map, baked);
+    if (log) {
+        log->remove();
+    }
     if (baked.stats.uncovered > 0) {
         warn(fmt::format("{} texels have no record: their numbers are not sound",
                          baked.stats.uncovered));
