@@ -111,6 +111,15 @@ TEST_F(GatherLogTest, AnotherJobBeginsAnew) {
     EXPECT_EQ(gather(3, "another job").gathered, 0u);
 }
 
+TEST_F(GatherLogTest, LeavesFilesOfOtherKindsAlone) {
+    write("dear diary");
+    const Run run = gather(3);
+    EXPECT_EQ(run.gathered, 3 * kBatchOfLog);
+    ASSERT_EQ(run.warnings.size(), 1u);
+    EXPECT_NE(run.warnings[0].find("is left as it is"), std::string::npos) << run.warnings[0];
+    EXPECT_EQ(text(), "dear diary");
+}
+
 TEST_F(GatherLogTest, WithoutAFileItGathersAllTheSame) {
     std::filesystem::create_directory(path_);
     const Run run = gather(3);

@@ -66,7 +66,16 @@ class LoggedGatherer : public Gatherer {
 
 GatherLog::GatherLog(std::string path, const std::string& key) : path_(std::move(path)) {
     const std::string head = headOf(key);
-    read(head);
+    std::error_code error;
+    const auto size = std::filesystem::file_size(path_, error);
+    if (!error && size > 0 && !read(head)) {
+        out_.setstate(std::ios::failbit);
+        warn(
+            fmt::format("{}: is no file of what was gathered, and is left as it is; interrupted, "
+                        "this will begin anew",
+                        path_));
+        return;
+    }
     try {
         AtomicFile whole(path_);
         whole.write(head);
@@ -91,19 +100,19 @@ std::string GatherLog::bytesOf(const Entry& entry) {
     return out.bytes();
 }
 
-void GatherLog::read(const std::string& head) {
-    std::error_code error;
+// Whether it is such a file.
+bool GatherLog::read(const std::string& head) {
     std::ifstream in(path_, std::ios::binary);
-    if (!in || !std::filesystem::is_regular_file(path_, error)) {
-        return;
-    }
     const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    if (!bytes.starts_with(kMagic)) {
+        return false;
+    }
     if (!bytes.starts_with(head)) {
         warn(
             fmt::format("{}: is of another scene, other options or another version; it is begun "
                         "anew",
                         path_));
-        return;
+        return true;
     }
     constexpr size_t kNumbers = 3 * sizeof(uint64_t);
     for (size_t at = head.size(); bytes.size() - at >= kNumbers;) {
@@ -113,15 +122,16 @@ void GatherLog::read(const std::string& head) {
         const auto length = numbers.get<uint64_t>();
         at += kNumbers;
         if (length > bytes.size() - at) {
-            return;
+            break;
         }
         std::string records = bytes.substr(at, length);
         if (hashOf(records) != hash) {
-            return;
+            break;
         }
         at += length;
         left_.push_back({sites, std::move(records)});
     }
+    return true;
 }
 
 void GatherLog::stopWriting() {

@@ -17,8 +17,8 @@ namespace sheen {
 class GatherLog {
   public:
     /// What the file holds is taken as far as it is whole, if a job of the same `key` wrote it;
-    /// that of another is replaced, with a warning. Where the file cannot be written, nothing is
-    /// kept, with a warning.
+    /// that of another is replaced, with a warning. Where the file cannot be written, or is of
+    /// another kind, nothing is kept, with a warning.
     GatherLog(std::string path, const std::string& key);
 
     /// What was found where these were gathered, if that comes next; from the first on that does
@@ -35,7 +35,7 @@ class GatherLog {
         std::string records;
     };
     static std::string bytesOf(const Entry& entry);
-    void read(const std::string& head);
+    bool read(const std::string& head);
     void stopWriting();
 
     const std::string path_;
