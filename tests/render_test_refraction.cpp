@@ -174,11 +174,12 @@ TEST(Refraction, ShowsWhatTheReferenceShows) {
         paths.caustics_apart = true;
         RenderParams params = smallRender(kSize, kSize);
         params.caustics = 50'000;
-        expectAlike(scene, params, paths, 0.02, 0.04);
+        expectAlike(scene, params, paths, 0.005, 0.01);
     }
 }
 
-// Rough glass blurs it: by the samples of a pixel here, by one microfacet a path there.
+// Rough glass blurs it: by the samples of a pixel here, by one microfacet a path there. Samples
+// leave noise: 19% of direct light with 16 of them, 7% with 64, 4% with 256.
 TEST(Refraction, BlursByRoughnessAsTheReference) {
     constexpr int kSize = 16;
     const Scene scene = chequeredRoom(1.5f, 0.3f, false);
@@ -187,8 +188,8 @@ TEST(Refraction, BlursByRoughnessAsTheReference) {
     paths.caustics_apart = true;
     RenderParams params = smallRender(kSize, kSize);
     params.caustics = 50'000;
-    params.aa = 64;
-    expectAlike(scene, params, paths, 0.05, 0.06);
+    params.aa = 256;
+    expectAlike(scene, params, paths, 0.06, 0.05);
 }
 
 }  // namespace

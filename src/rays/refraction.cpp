@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/directions.h"
 #include "scene/ggx_sampling.h"
 
 namespace sheen {

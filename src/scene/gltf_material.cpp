@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "scene/gltf_parts.h"
@@ -68,15 +69,17 @@ const tinygltf::Value* extensionOf(const tinygltf::Material& source, const char*
 
 constexpr float kUsualF0 = 0.04f;  // of a dielectric, which specular_color multiplies
 
-// The index of refraction; infinite where it is 0, as converters write that.
-double indexOf(File& file, const tinygltf::Material& source, const std::string& where) {
-    constexpr double kUsual = 1.5;
+constexpr double kUsualIor = 1.5;
+
+// The index of refraction, where it is told; infinite where it is 0, as converters write that.
+std::optional<double> indexOf(File& file, const tinygltf::Material& source,
+                              const std::string& where) {
     const tinygltf::Value* extension = extensionOf(source, "KHR_materials_ior");
     if (extension == nullptr) {
-        return kUsual;
+        return std::nullopt;
     }
     const double ior =
-        finiteFloat(file, numberMember(file, *extension, "ior", kUsual, where), where, "ior");
+        finiteFloat(file, numberMember(file, *extension, "ior", kUsualIor, where), where, "ior");
     if (ior != 0.0 && ior < 1.0) {
         file.notes.add(fmt::format("{}: ior {} is below 1 and counts as 1", where, ior));
     }
@@ -104,7 +107,8 @@ void readSpecular(File& file, const tinygltf::Value& extension, const std::strin
 }
 
 void readMetallicRoughness(File& file, const tinygltf::Material& source, const std::string& where,
-                           TextureLoader& loader, Material& material) {
+                           const std::optional<double>& ior, TextureLoader& loader,
+                           Material& material) {
     const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
     if (pbr.baseColorFactor.size() != 4) {
         file.fail(where, "baseColorFactor must hold four numbers and emissiveFactor three");
@@ -121,9 +125,8 @@ void readMetallicRoughness(File& file, const tinygltf::Material& source, const s
         loader.use(infoOf(pbr.baseColorTexture), true, where);
     material.textures[shared::TEXTURE_METALLIC_ROUGHNESS] =
         loader.use(infoOf(pbr.metallicRoughnessTexture), false, where);
-    if (extensionOf(source, "KHR_materials_ior") != nullptr) {
-        params.specular_color *=
-            static_cast<float>(reflectedByIndex(indexOf(file, source, where))) / kUsualF0;
+    if (ior) {
+        params.specular_color *= static_cast<float>(reflectedByIndex(*ior)) / kUsualF0;
     }
     if (const tinygltf::Value* specular = extensionOf(source, "KHR_materials_specular")) {
         readSpecular(file, *specular, where, loader, material);
@@ -345,10 +348,11 @@ Material loadMaterial(File& file, size_t index, bool lightmaps, TextureLoader& l
     Material material;
     material.name = source.name.empty() ? fmt::format("material {}", index) : oneLine(source.name);
     material.params = kStandard;
+    const std::optional<double> ior = indexOf(file, source, where);
     if (const auto* extension = extensionOf(source, "KHR_materials_pbrSpecularGlossiness")) {
         readSpecularGlossiness(file, *extension, where, loader, material);
     } else {
-        readMetallicRoughness(file, source, where, loader, material);
+        readMetallicRoughness(file, source, where, ior, loader, material);
     }
     readEmission(file, source, where, loader, material);
     material.normal_texture = loader.use(infoOf(source.normalTexture), false, where);
@@ -360,8 +364,7 @@ Material loadMaterial(File& file, size_t index, bool lightmaps, TextureLoader& l
         readTransmission(file, *extension, where, loader, material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_volume")) {
-        // Converted from specular-glossiness it has no index of its own.
-        readVolume(file, *extension, where, indexOf(file, source, where), material);
+        readVolume(file, *extension, where, ior.value_or(kUsualIor), material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_clearcoat")) {
         readClearcoat(file, *extension, where, loader, material);
