@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "metrics/compare.h"
+#include "test_glass.h"
 #include "test_light.h"
 #include "test_reference.h"
 #include "test_render.h"
@@ -12,14 +13,6 @@ namespace {
 constexpr int kSize = 16;
 // Of the table of lobes' albedos.
 constexpr float kTableError = 0.01f;
-
-uint32_t addGlass(Scene& scene, const vec3& color, float roughness = 0.0f) {
-    MaterialParams params = glossyParams(color, 0.0f, roughness);
-    params.transmission = 1.0f;
-    const uint32_t material = addMaterial(scene, params);
-    scene.materials[material].blended = true;
-    return material;
-}
 
 // A white floor under two panes of coloured glass; a sun straight down.
 struct StainedPanes {

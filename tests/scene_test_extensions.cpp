@@ -153,6 +153,33 @@ TEST(MaterialVolume, AbsorbsByItsColourOverItsDistance) {
     EXPECT_EQ(absorption(), vec3(0.0f)) << "opaque";
 }
 
+// A body bends light by its index, a sheet does not; and each of its two surfaces colours what
+// passes by the root of the colour.
+TEST(MaterialVolume, MakesABodyOfItsIndex) {
+    constexpr float kError = 0.01f;  // of the table of lobes' albedos
+    GltfFile file = textured();
+    Json& pbr = materialOf(file)["pbrMetallicRoughness"];
+    pbr = {
+        {"baseColorFactor", {1.0, 0.25, 0.0, 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", 0}};
+    Json& extensions = materialOf(file)["extensions"];
+    extensions["KHR_materials_transmission"]["transmissionFactor"] = 1.0;
+    const auto material = [&] { return file.load().materials[0]; };
+    EXPECT_FALSE(material().bounds()) << "a sheet";
+    extensions["KHR_materials_volume"]["thicknessFactor"] = 0.5;
+    EXPECT_EQ(material().ior, 1.5f);
+    const Scene scene = file.load();
+    const vec3 n_g = geometricNormal(scene, 0);
+    const vec3 passes = crossingAt(scene, 0, vec3(0.5f, 0.25f, 0.25f), -n_g).passes;
+    EXPECT_LT(maxAbs(passes - 0.96f * vec3(1.0f, 0.5f, 0.0f)), kError);
+    extensions["KHR_materials_ior"]["ior"] = 1.33;
+    EXPECT_EQ(material().ior, 1.33f);
+    extensions["KHR_materials_ior"]["ior"] = 1.0;
+    EXPECT_TRUE(material().bounds());
+    EXPECT_FALSE(material().refracts());
+    extensions["KHR_materials_ior"]["ior"] = 0.0;
+    EXPECT_FALSE(material().refracts()) << "all is reflected";
+}
+
 TEST(MaterialVariants, AreChosenByName) {
     GltfFile file = oneTriangle();
     file.json["materials"] = Json::array({{{"name", "plain"}}, {{"name", "blue"}}});

@@ -119,8 +119,8 @@ class Filter {
         const vec3& n = receivers_.scatteringNormal(i);
         const vec3& q = receivers_.positions[k];
         const vec3 wo = receivers_.towardViewer(i);
-        const vec3 mirrored = glm::reflect(glm::normalize(q - receivers_.image.view.origin),
-                                           receivers_.scatteringNormal(k));
+        const vec3 mirrored =
+            glm::reflect(glm::normalize(q - receivers_.viewer(k)), receivers_.scatteringNormal(k));
         const float nearness =
             std::max(light_.nearness.at(at.x, at.y), light_.nearness.at(own.x, own.y));
         const vec3 h = wo + glm::normalize(mirrored + (q - p) * nearness);

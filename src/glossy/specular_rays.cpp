@@ -44,12 +44,14 @@ LobeStart placeInPixel(const OutgoingLight& light, const Receivers& receivers, s
     const vec3 way = glm::normalize(shared::viewDirection(image.view, 2.0f * place - 1.0f));
     const Sight sight = light.tracer().seeAlone(image.view.origin, way);
     for (int veil = 0; veil <= sight.veil_count; ++veil) {
-        const Hit hit = sight.part(veil).hit;
+        const Sight::Part part = sight.part(veil);
+        const Hit& hit = part.hit;
         if (!hit.found() ||
             static_cast<int>(scene.materials_of[hit.triangle]) != receivers.materials[i]) {
             continue;
         }
-        const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -way, hit.distance);
+        const SurfacePoint p =
+            surfacePoint(scene, hit.triangle, hit.u, hit.v, -part.direction, hit.distance);
         const ShadingNormals n = normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo);
         const float height =
             0.5f * glm::dot(p.position - receivers.positions[i], n.smooth + receivers.normals[i]);

@@ -6,17 +6,22 @@
 
 #include "core/parallel.h"
 #include "image/frame.h"
+#include "rays/jitter.h"
+#include "rays/refraction.h"
 #include "rays/surface_point.h"
 
 namespace sheen {
 namespace {
 
-// Writes what a pixel of an image of `height` rows sees. A surface at the eye itself has no depth
-// and is not seen.
-void writePixel(const Scene& scene, const Camera& camera, int height, const Hit& hit,
-                const vec3& direction, size_t i, GBuffer& g) {
-    SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -direction, hit.distance);
-    const float depth = g.image.depthOf(p.position);
+// Writes what a pixel of an image of `height` rows sees by a camera's ray. A surface at the eye
+// itself has no depth and is not seen.
+void writePixel(const Scene& scene, const Camera& camera, int height, const CameraRay& ray,
+                const Sight::Part& part, size_t i, GBuffer& g) {
+    const Hit& hit = part.hit;
+    SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -part.direction, hit.distance);
+    const float way = part.before + hit.distance;
+    const float depth =
+        g.image.depthOf(part.bent() ? ray.origin + way * ray.direction : p.position);
     if (!(depth > 0.0f)) {
         return;
     }
@@ -25,7 +30,10 @@ void writePixel(const Scene& scene, const Camera& camera, int height, const Hit&
     const Layers layers = layersAt(scene, p.triangle, p.barycentric, p.footprint);
     const ShadingNormals normals =
         normalsAt(scene, p.triangle, p.barycentric, p.n_g, p.wo, p.footprint);
-    const Scatterer surface = underLayersAt(p, material, layers, normals);
+    Scatterer surface = underLayersAt(p, material, layers, normals);
+    if (part.leaving > 0.0f) {
+        surface.brdf = fromWithin(surface.brdf, material.roughness, part.leaving);
+    }
     g.position.pixels[i] = p.position;
     g.depth.pixels[i] = depth;
     g.normal.pixels[i] = normals.smooth;
@@ -45,6 +53,9 @@ void writePixel(const Scene& scene, const Camera& camera, int height, const Hit&
     }
     if (!g.coat_normal.empty()) {
         g.coat_normal.pixels[i] = normals.coat;
+    }
+    if (part.bent()) {
+        g.eye.pixels[i] = p.position - way * part.direction;
     }
     g.primitive.pixels[i] = hit.triangle;
 }
@@ -76,11 +87,20 @@ Bounds grown(const Bounds& box, float share) {
     return {.lower = box.lower - step, .upper = box.upper + step};
 }
 
+// Where in what rough glass makes of a ray one goes that starts at that place of the image, told
+// from the first pixel's corner: elsewhere for each place of a pixel, and likewise for each pixel.
+vec2 lobePlace(const Camera& camera, const vec2& place) {
+    const ivec2 pixel = ivec2(glm::floor(place)) + camera.window.first;
+    const uint32_t number =
+        pcgHash(static_cast<uint32_t>(pixel.x)) + static_cast<uint32_t>(pixel.y);
+    return glm::fract(glm::fract(place) + randomPlace(number, 0));
+}
+
 // What rays see of a veil through place(x, y) of an image of that size, in pixels from the first
-// one's middle.
+// one's middle. `blurred`: by rough glass.
 template <class Place>
 GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& image,
-               const ivec2& size, int veil, const Place& place) {
+               const ivec2& size, int veil, bool blurred, const Place& place) {
     const Scene& scene = tracer.scene();
     const int width = image.width;
     const int height = image.height;
@@ -116,23 +136,28 @@ GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& imag
                     [](const Material& m) { return m.blended; })) {
         result.share = Image<vec3>(width, height);
     }
+    if (std::any_of(scene.materials.begin(), scene.materials.end(),
+                    [&](const Material& m) { return bendsRays(m, blurred); })) {
+        result.eye = Image<vec3>(width, height, image.view.origin);
+    }
     std::vector<int> veils(static_cast<size_t>(height), 0);  // by row
     parallelFor(height, [&](int y) {
         int& most = veils[static_cast<size_t>(y)];
         for (int x = 0; x < width; ++x) {
             const vec2 at = place(x, y);
             const CameraRay ray = cameraRay(camera, size.x, size.y, at.x, at.y);
-            const Sight sight = tracer.seeAlone(ray.origin, ray.direction);
+            const Sight sight = tracer.seeAlone(
+                ray.origin, ray.direction,
+                blurred ? std::make_optional(lobePlace(camera, at + 0.5f)) : std::nullopt);
             most = std::max(most, sight.veil_count);
             const Sight::Part part = sight.part(veil);
             if (!result.share.empty()) {
                 result.share.at(x, y) = part.share;
             }
             if (part.hit.found()) {
-                writePixel(scene, camera, size.y, part.hit, ray.direction, image.index(x, y),
-                           result);
+                writePixel(scene, camera, size.y, ray, part, image.index(x, y), result);
             } else if (veil == 0 && scene.environment.shows()) {
-                result.emission.at(x, y) = scene.environment.radiance(ray.direction);
+                result.emission.at(x, y) = scene.environment.radiance(part.direction);
             }
         }
     });
@@ -143,7 +168,7 @@ GBuffer render(const Tracer& tracer, const Camera& camera, const PixelGrid& imag
 }  // namespace
 
 GBuffer renderGBuffer(const Tracer& tracer, const Camera& camera, int width, int height, int veil) {
-    return render(tracer, camera, pixelGrid(camera, width, height), {width, height}, veil,
+    return render(tracer, camera, pixelGrid(camera, width, height), {width, height}, veil, false,
                   [](int x, int y) { return vec2(x, y); });
 }
 
@@ -153,7 +178,7 @@ GBuffer renderSamples(const Tracer& tracer, const Camera& camera, const ivec2& s
     PixelGrid packed = pixelGrid(camera, size.x, size.y);
     packed.width = columns;
     packed.height = static_cast<int>(places.size()) / columns;
-    return render(tracer, camera, packed, size, veil,
+    return render(tracer, camera, packed, size, veil, true,
                   [&](int x, int y) { return places[packed.index(x, y)] - 0.5f; });
 }
 

@@ -20,12 +20,19 @@ class Absorption {
     }
     /// What share of the light is left of what comes from there.
     vec3 passing(float distance) const {
-        if (depth_ == vec3(0.0f)) {
+        if (depth_ == vec3(0.0f) && inside_ == vec3(0.0f)) {
             return vec3(1.0f);  // none absorbs
         }
         const vec3 to_end =
             distance < kInfinity ? glm::max(inside_, vec3(0.0f)) * distance : vec3(0.0f);
         return glm::exp(-glm::max(depth_ + to_end, vec3(0.0f)));
+    }
+
+    /// Of the ray that goes on from where it has come to, its distances told from there.
+    Absorption onward() const {
+        Absorption next;
+        next.inside_ = glm::max(inside_, vec3(0.0f));
+        return next;
     }
 
   private:

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "rays/absorption.h"
 #include "rays/jitter.h"
+#include "rays/refraction.h"
 
 namespace sheen {
 namespace {
@@ -187,41 +188,97 @@ void Tracer::meet(const Rays& rays, Hit* hits, vec3* planes) const {
     }
 }
 
-Sight Tracer::seeAlone(const vec3& origin, const vec3& direction) const {
+namespace {
+
+// A camera's ray, as far as it has come.
+struct Look {
+    vec3 origin, direction;  // since it was bent last
+    float before = 0.0f;     // how far it travelled until then
+    float from = 0.0f;       // how far since
+    int bends = 0;
+    vec3 passing{1.0f};  // surfaces and bodies
+    Absorption absorption;
+    std::optional<vec2> lobe;
+
+    explicit Look(const vec3& eye, const vec3& toward, const std::optional<vec2>& lobe_)
+        : origin(eye), direction(toward), lobe(lobe_) {}
+
+    void bend(const SurfacePoint& at, const Scene& scene, const Passage& passage) {
+        passing *= absorption.passing(at.distance);
+        absorption = absorption.onward();
+        origin = passage.startOf(scene, at);
+        direction = passage.direction;
+        before += at.distance;
+        from = 0.0f;
+        ++bends;
+        if (lobe) {  // another place for the next rough glass, which knows nothing of this one
+            lobe = randomPlace(hashOfPoint(at.triangle, lobe->x, lobe->y), 0);
+        }
+    }
+};
+
+}  // namespace
+
+Sight Tracer::seeAlone(const vec3& origin, const vec3& direction,
+                       const std::optional<vec2>& lobe) const {
     constexpr float kDark = 1.0f / 512.0f;  // passes no light that shows
     Sight sight;
     Sight::Part& ground = sight.ground;
-    Absorption absorption;
-    vec3 passing(1.0f);  // surfaces
-    for (float from = 0.0f;; from = std::nextafter(ground.hit.distance, kInfinity)) {
-        ground.hit = meetAlone(origin, direction, from, kInfinity);
+    Look look(origin, direction, lobe);
+    for (;;) {
+        ground = {.hit = meetAlone(look.origin, look.direction, look.from, kInfinity),
+                  .origin = look.origin,
+                  .direction = look.direction,
+                  .before = look.before};
         const Hit& hit = ground.hit;
         if (!hit.found()) {
-            ground.share = passing * absorption.passing(kInfinity);
+            ground.share = look.passing * look.absorption.passing(kInfinity);
             return sight;
         }
         const Material& material = materialOf(scene_, hit);
+        look.from = std::nextafter(hit.distance, kInfinity);
         const auto cross_if = [&](bool side) {
             if (side) {
-                absorption.cross(material, hit.back, hit.distance);
+                look.absorption.cross(material, hit.back, hit.distance);
             }
         };
+        Passage passage{.direction = look.direction, .outside = look.direction};
+        SurfacePoint at{};
+        if (bendsRays(material, look.lobe.has_value())) {
+            at = surfacePoint(scene_, hit.triangle, hit.u, hit.v, -look.direction, hit.distance);
+            passage = passageAt(scene_, at, hit.back, look.lobe);
+            if (look.bends == Sight::kMostBends) {
+                ground.share = look.passing * look.absorption.passing(hit.distance);
+                return sight;
+            }
+            if (passage.reflected) {
+                look.absorption.cross(material, true, hit.distance);
+                look.bend(at, scene_, passage);
+                look.absorption.cross(material, false, 0.0f);
+                continue;
+            }
+        }
         cross_if(hit.back);
-        ground.share = passing * absorption.passing(hit.distance);
+        ground.share = look.passing * look.absorption.passing(hit.distance);
         cross_if(!hit.back);
-        if (hit.back && material.single_sided) {
+        if (hit.back && material.single_sided && !material.refracts()) {
             continue;
         }
         const Crossing crossing =
-            material.blended ? crossingOf(scene_, hit, direction)
+            material.blended ? crossingOf(scene_, hit, passage.outside)
                              : Crossing{.meets = 1.0f, .chance = 1.0f, .passes = vec3(0.0f)};
+        ground.leaving = passage.leaving;
         if (maxAbs(crossing.passes * ground.share) < kDark ||
             sight.veil_count == Sight::kMostVeils) {
             return sight;
         }
-        sight.veils[static_cast<size_t>(sight.veil_count++)] = {
-            .hit = hit, .share = crossing.meets * ground.share};
-        passing *= crossing.passes;
+        Sight::Part& veil = sight.veils[static_cast<size_t>(sight.veil_count++)];
+        veil = ground;
+        veil.share *= crossing.meets;
+        look.passing *= crossing.passes;
+        if (passage.bent) {
+            look.bend(at, scene_, passage);
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "scene/scene.h"
@@ -68,14 +69,24 @@ struct Way {
 };
 
 /// What a camera's ray sees: surfaces that let a part of the light pass, from the eye on, and what
-/// lies behind them, which may be nothing.
+/// lies behind them, which may be nothing. Bodies of glass bend it (refraction.h).
 struct Sight {
     /// One before the ground that lets less light pass than shows, or the one after so many, is
     /// taken as that.
     static constexpr int kMostVeils = 8;
+    /// So often it is bent; where it would be once more, the glass is taken as opaque.
+    static constexpr int kMostBends = 16;
     struct Part {
         Hit hit;
         vec3 share{0.0f};  ///< of the light that leaves it, what reaches the eye
+        // Of the ray where it sees this, which glass may have bent before.
+        vec3 origin{0.0f};
+        vec3 direction{0.0f};
+        float before = 0.0f;  ///< how far it travelled to that origin
+        /// Of a body of glass that the ray is leaving there, the cosine outside; 0: of no such.
+        float leaving = 0.0f;
+
+        bool bent() const { return before > 0.0f; }
     };
     std::array<Part, kMostVeils> veils;
     int veil_count = 0;
@@ -108,7 +119,10 @@ class Tracer {
 
     /// What a camera's ray sees: it passes the backs of single-sided materials. Cast alone: which
     /// of two triangles owns a ray through their common edge differs by how many are cast together.
-    Sight seeAlone(const vec3& origin, const vec3& direction) const;
+    /// `lobe`: where in what rough glass makes of a ray this one goes, in [0, 1)^2; none: as if all
+    /// glass were smooth.
+    Sight seeAlone(const vec3& origin, const vec3& direction,
+                   const std::optional<vec2>& lobe = {}) const;
 
     /// What share of light passes on each of at most kPacket ways, channel by channel; 0 where not
     /// asked.

@@ -16,6 +16,7 @@ GBuffer coatsAlone(const GBuffer& gbuffer) {
     coats.roughness = gbuffer.coat_roughness;
     coats.f90 = gbuffer.coat;
     coats.primitive = gbuffer.primitive;
+    coats.eye = gbuffer.eye;
     coats.diffuse = Image<vec3>(gbuffer.image.width, gbuffer.image.height);
     coats.f0 = Image<vec3>(gbuffer.image.width, gbuffer.image.height);
     for (size_t i = 0; i < coats.depth.pixels.size(); ++i) {

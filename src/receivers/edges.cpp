@@ -34,12 +34,13 @@ struct Place {
     vec3 position, normal;
     float footprint = 0;  // 0: nothing is seen
     int material = kNoMaterial;
-    vec3 share{1.0f};  // of the light on the way to the eye
+    vec3 eye{0.0f};    // from where it is seen
+    vec3 share{1.0f};  // of the light on the way there
 };
 
 Place placeOf(const Receivers& receivers, size_t i) {
     return {receivers.positions[i], receivers.normals[i], receivers.footprints[i],
-            receivers.materials[i]};
+            receivers.materials[i], receivers.viewer(i)};
 }
 
 Place placeOf(const Scene& scene, const GBuffer& gbuffer, size_t i) {
@@ -47,15 +48,16 @@ Place placeOf(const Scene& scene, const GBuffer& gbuffer, size_t i) {
     if (gbuffer.seen(i)) {
         place = {gbuffer.position.pixels[i], gbuffer.normal.pixels[i],
                  gbuffer.depth.pixels[i] * gbuffer.image.pixel_angle,
-                 static_cast<int>(scene.materials_of[gbuffer.primitive.pixels[i]])};
+                 static_cast<int>(scene.materials_of[gbuffer.primitive.pixels[i]]),
+                 gbuffer.eyeOf(i)};
     }
     place.share = gbuffer.shareAt(i);
     return place;
 }
 
 // The way to a place over its footprint, seen under the tilt of its surface: in pixels, about.
-float pixelsApart(const Place& from, const Place& to, const vec3& eye) {
-    const float tilt = glm::dot(glm::normalize(eye - to.position), to.normal);
+float pixelsApart(const Place& from, const Place& to) {
+    const float tilt = glm::dot(glm::normalize(to.eye - to.position), to.normal);
     return glm::length(to.position - from.position) * std::max(tilt, kLeastTilt) / to.footprint;
 }
 
@@ -69,17 +71,17 @@ bool sharesContrast(const vec3& a, const vec3& b) {
 }
 
 // Whether the light at one place serves the other, as records' weights judge surfaces.
-bool isOneSurface(const Place& a, const Place& b, const vec3& eye) {
+bool isOneSurface(const Place& a, const Place& b) {
     const vec3 normals = a.normal + b.normal;
     return a.material == b.material && glm::dot(a.normal, b.normal) >= kSameNormal &&
            0.5f * std::abs(glm::dot(b.position - a.position, normals)) <= kOffPlane * b.footprint &&
-           pixelsApart(a, b, eye) <= kFarthest;
+           pixelsApart(a, b) <= kFarthest;
 }
 
 // Likewise, or nothing is seen at both.
-bool seesTheSame(const Place& a, const Place& b, const vec3& eye) {
+bool seesTheSame(const Place& a, const Place& b) {
     return a.material == b.material && !sharesContrast(a.share, b.share) &&
-           (a.material == kNoMaterial || isOneSurface(a, b, eye));
+           (a.material == kNoMaterial || isOneSurface(a, b));
 }
 
 class EdgeFinder {
@@ -194,7 +196,7 @@ void EdgeFinder::findPixels() {
             for (const ivec2& corner : {ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1)}) {
                 const size_t k = corners.image.index(x + corner.x, y + corner.y);
                 found =
-                    found || !seesTheSame(own, placeOf(scene, corners, k), grid_.view.origin) ||
+                    found || !seesTheSame(own, placeOf(scene, corners, k)) ||
                     (pixels_.seen(i) && (contrasts(corners.diffuse.pixels[k], pixels_.diffuse[i]) ||
                                          contrasts(corners.f0.pixels[k], pixels_.f0[i])));
             }
@@ -268,7 +270,7 @@ void EdgeFinder::noteNext(size_t pixel, const vec2& sample, const Place& place,
             continue;
         }
         const size_t i = grid_.index(at.x, at.y);
-        if (known_.pixels[i] == 0 && !seesTheSame(middleOf(i), place, grid_.view.origin)) {
+        if (known_.pixels[i] == 0 && !seesTheSame(middleOf(i), place)) {
             next.push_back(i);
         }
     }
@@ -297,7 +299,7 @@ EdgeFinder::Look EdgeFinder::lookAt(size_t pixel, const GBuffer& seen, size_t fi
             receiver = static_cast<int>(*host);
         } else {
             const auto one_surface = [&](size_t k) {
-                return isOneSurface(placeOf(scene, seen, k), place, grid_.view.origin);
+                return isOneSurface(placeOf(scene, seen, k), place);
             };
             auto stray = std::find_if(look.strays.begin(), look.strays.end(), one_surface);
             if (stray == look.strays.end()) {
@@ -313,7 +315,7 @@ EdgeFinder::Look EdgeFinder::lookAt(size_t pixel, const GBuffer& seen, size_t fi
         if (share == look.shares.end()) {
             share = look.shares.insert(share, {.receiver = receiver});
         }
-        const vec3 toward = glm::normalize(grid_.view.origin - place.position);
+        const vec3 toward = glm::normalize(place.eye - place.position);
         share->diffuse += part * seen.diffuse.pixels[i];
         share->specular +=
             part * specularAlbedo(glm::dot(seen.mappedNormalAt(i), toward),
@@ -324,7 +326,6 @@ EdgeFinder::Look EdgeFinder::lookAt(size_t pixel, const GBuffer& seen, size_t fi
 
 // Of the pixel and those around that see the place's surface, the one that is most alike.
 std::optional<size_t> EdgeFinder::pixelOfSurface(size_t pixel, const Place& place) const {
-    const vec3& eye = grid_.view.origin;
     const auto width = static_cast<size_t>(grid_.width);
     const ivec2 own(pixel % width, pixel / width);
     std::optional<size_t> best;
@@ -333,11 +334,11 @@ std::optional<size_t> EdgeFinder::pixelOfSurface(size_t pixel, const Place& plac
         for (int x = std::max(own.x - 1, 0); x <= std::min(own.x + 1, grid_.width - 1); ++x) {
             const size_t i = grid_.index(x, y);
             const Place at = placeOf(pixels_, i);
-            if (!isOneSurface(at, place, eye)) {
+            if (!isOneSurface(at, place)) {
                 continue;
             }
             const float apart =
-                pixelsApart(at, place, eye) + kNormalCounts * glm::length(at.normal - place.normal);
+                pixelsApart(at, place) + kNormalCounts * glm::length(at.normal - place.normal);
             if (apart < least) {
                 best = i;
                 least = apart;

@@ -31,6 +31,18 @@ Receivers fieldsOf(GBuffer gbuffer) {
     receivers.roughness = std::move(gbuffer.roughness.pixels);
     receivers.direct = std::move(gbuffer.direct.pixels);
     receivers.emission = std::move(gbuffer.emission.pixels);
+    receivers.eyes = std::move(gbuffer.eye.pixels);
+    std::vector<uint32_t> bent;
+    for (size_t i = 0; i < receivers.eyes.size(); ++i) {
+        if (receivers.isBent(i)) {
+            bent.push_back(static_cast<uint32_t>(i));
+        }
+    }
+    if (bent.empty()) {
+        receivers.eyes.clear();
+    } else {
+        receivers.places = std::make_shared<PointIndex>(receivers.positions, std::move(bent));
+    }
     return receivers;
 }
 

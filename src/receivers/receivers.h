@@ -65,11 +65,14 @@ struct Receivers {
     /// What they are the pixels of: from there they are seen, and there they are looked for
     /// (served.h). Of a lightmap its size alone.
     PixelGrid image;
+    /// From where each is seen, as GBuffer::eye has it; empty where glass bends no ray.
+    std::vector<vec3> eyes;
 
     // Of texels of a lightmap, which no one sees; of pixels empty, or zero.
     std::vector<vec3> outward;  ///< unit, the geometric normal on the side that is lit
     float extent = 0.0f;        ///< of all of them, scene units: what stands for an image's height
-    std::shared_ptr<const PointIndex> places;  ///< where they are looked for
+    /// Where they are looked for; of an image's pixels, those whose rays glass has bent.
+    std::shared_ptr<const PointIndex> places;
 
     int count() const { return static_cast<int>(positions.size()); }
     /// By which receiver i scatters light.
@@ -80,8 +83,12 @@ struct Receivers {
     bool seen(size_t i) const { return footprints[i] > 0.0f; }
     /// From where it is seen: of a texel, from straight above.
     vec3 viewer(size_t i) const {
-        return outward.empty() ? image.view.origin : positions[i] + footprints[i] * outward[i];
+        return !outward.empty() ? positions[i] + footprints[i] * outward[i]
+               : eyes.empty()   ? image.view.origin
+                                : eyes[i];
     }
+    /// Whether glass has bent the ray that sees it: it does not lie where the image shows it.
+    bool isBent(size_t i) const { return !eyes.empty() && eyes[i] != image.view.origin; }
     /// Unit.
     vec3 towardViewer(size_t i) const { return glm::normalize(viewer(i) - positions[i]); }
     /// The height of the image at the receiver's distance, scene units.

@@ -1,5 +1,5 @@
 // Which receivers a record serves. In an image they are found by what of it the record's region may
-// cover, texels of a lightmap by where they lie.
+// cover, texels of a lightmap, and what glass shows elsewhere than it is, by where they lie.
 #pragma once
 
 #include "receivers/receivers.h"
@@ -47,8 +47,8 @@ inline vec3 irradianceBy(const Receivers& receivers, size_t i, const Record& k) 
                : shared::bumpIrradiance(k, p, n, receivers.mapped_normals[i]);
 }
 
-/// Calls visit(i, weight) for the receivers that a record serves, row by row (texels of a lightmap:
-/// in any order), of those that wanted(i).
+/// Calls visit(i, weight) for the receivers that a record serves, row by row (texels of a lightmap,
+/// and before them pixels that glass has bent: in any order), of those that wanted(i).
 template <typename Wanted, typename Visit>
 void forServed(const Receivers& receivers, const Record& k, const WeightParams& weight,
                const Wanted& wanted, const Visit& visit) {
@@ -65,12 +65,17 @@ void forServed(const Receivers& receivers, const Record& k, const WeightParams& 
         for (const uint32_t i : receivers.places->within(k.position, weight.accuracy * k.radius)) {
             look(i);
         }
-        return;
+        if (!receivers.outward.empty()) {
+            return;
+        }
     }
     const PixelRect rect = servedBounds(receivers.image, k, weight);
     for (int y = rect.y0; y < rect.y1; ++y) {
         for (int x = rect.x0; x < rect.x1; ++x) {
-            look(receivers.image.index(x, y));
+            const size_t i = receivers.image.index(x, y);
+            if (!receivers.isBent(i)) {
+                look(i);
+            }
         }
     }
 }

@@ -188,21 +188,23 @@ Frame emptyFrame(int width, int height) {
 }
 
 std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ivec2& size,
-                           const vec2& place, Textures textures, Counters& counters) {
+                           const vec2& place, Textures textures, Counters& counters,
+                           const std::optional<Facets>& facets) {
     const CameraRay ray = cameraRay(camera, size.x, size.y, place.x, place.y);
     const Environment& sky = rays.scene().environment;
     ++counters.rays;
     const RayScene::PixelOf pixel{.camera = camera, .height = size.y};
     std::vector<Sighting> parts;
-    for (const Seen& seen : rays.see(ray.origin, ray.direction)) {
+    for (const Seen& seen : rays.see(ray.origin, ray.direction, facets)) {
         Sighting part{.share = seen.share, .chance = seen.chance};
         if (seen.hit.found()) {
-            part.surface = rays.surfaceAt(seen.hit, -ray.direction,
-                                          textures == Textures::kOfPixel ? &pixel : nullptr);
+            part.surface =
+                rays.surfaceAt(seen.hit, -seen.direction,
+                               textures == Textures::kOfPixel ? &pixel : nullptr, seen.leaving);
             part.triangle = seen.hit.triangle;
             part.emission = part.surface->emission;
         } else if (sky.shows()) {
-            part.emission = sky.radiance(ray.direction);
+            part.emission = sky.radiance(seen.direction);
         }
         parts.push_back(part);
     }

@@ -84,10 +84,12 @@ struct Sighting {
 };
 /// All parts, from the eye on, of a ray through a place of an image of that size, in pixels from
 /// the first one's centre. The last may be without a surface. Textures are those of the place, or
-/// averaged over the pixel about it, as who looks at its middle alone should see them.
+/// averaged over the pixel about it, as who looks at its middle alone should see them. Without
+/// `facets` rough glass is seen through as if it were smooth.
 enum class Textures { kOfPlace, kOfPixel };
 std::vector<Sighting> look(const RayScene& rays, const Camera& camera, const ivec2& size,
-                           const vec2& place, Textures textures, Counters& counters);
+                           const vec2& place, Textures textures, Counters& counters,
+                           const std::optional<Facets>& facets = {});
 
 /// Adds a part of what the middle of pixel (x, y) sees to `frame`: its share of emission and of
 /// direct light by punctual lights.

@@ -72,6 +72,8 @@ class Inside {
             left *= glm::exp(-absorption * at_);
         }
     }
+    // Distances are told from where it has come to.
+    void turn() { at_ = 0.0f; }
 
   private:
     vec3 absorbs_{0.0f};
@@ -209,42 +211,128 @@ RayHit RayScene::intersect(const vec3& origin, const vec3& direction) const {
     }
 }
 
-std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction) const {
+// How a camera's ray goes on that comes to glass.
+struct RayScene::Turn {
+    bool turns = false;  // else it goes straight on
+    bool total = false;  // it is reflected, all of it
+    vec3 origin{0.0f};
+    vec3 along{0.0f};
+    float leaving = 0.0f;  // of the body: the cosine outside
+
+    // Of the ray outside of the body, or on its way there.
+    const vec3& outside(const vec3& before) const { return leaving > 0.0f ? along : before; }
+};
+
+namespace {
+
+// Snell's law: the part along the surface of a direction that comes to the side of the unit normal
+// n grows by this ratio of the indices. None where it were longer than 1.
+std::optional<vec3> refracted(const vec3& along, const vec3& n, float ratio) {
+    const vec3 aside = ratio * (along - glm::dot(along, n) * n);
+    const float down2 = 1.0f - glm::dot(aside, aside);
+    return down2 > 0.0f ? std::optional(glm::normalize(aside - std::sqrt(down2) * n))
+                        : std::nullopt;
+}
+
+vec3 mirroredBy(const vec3& n, const vec3& d) { return d - 2.0f * glm::dot(d, n) * n; }
+
+// On the side of a plane that n, or if so its opposite, points to.
+vec3 toSide(const vec3& n, bool opposite, const vec3& d) {
+    return (glm::dot(n, d) < 0.0f) == opposite ? d : mirroredBy(n, d);
+}
+
+}  // namespace
+
+RayScene::Turn RayScene::turnAt(const RayHit& hit, const vec3& along,
+                                const std::optional<Facets>& facets) const {
+    const Material& material = scene_.materials[scene_.materials_of[hit.triangle]];
+    const bool bends = material.ior > 1.0f && material.transmits();
+    if (!material.transmits() || (!bends && !facets)) {
+        return {.along = along};
+    }
+    const Surface s = surfaceAt(hit, -along);
+    vec3 h = s.n;
+    if (facets && s.roughness > shared::MIN_ROUGHNESS) {
+        const mat3 frame = tangentFrame(s.n);
+        h = frame * sampleGgxVisibleNormal(glm::transpose(frame) * s.wo,
+                                           shared::alphaFromRoughness(s.roughness),
+                                           owenSobol(facets->index, facets->seed));
+    } else if (!bends) {
+        return {.along = along};
+    }
+    Turn turn{.turns = true};
+    if (!bends) {  // a sheet: what it reflects, mirrored to the other side
+        turn.along = toSide(s.n_g, true, glm::normalize(mirroredBy(s.n, mirroredBy(h, along))));
+    } else {
+        const bool outward = fromBehind(hit, along);
+        const auto on = refracted(along, h, outward ? material.ior : 1.0f / material.ior);
+        turn.total = !on;
+        turn.along = on ? toSide(s.n_g, true, *on)
+                        : toSide(s.n_g, false, glm::normalize(mirroredBy(h, along)));
+        turn.leaving = on && outward ? std::abs(glm::dot(s.n, turn.along)) : 0.0f;
+    }
+    turn.origin = turn.total ? s.rayOrigin() : s.position - s.offset * s.n_g;
+    return turn;
+}
+
+std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction,
+                                const std::optional<Facets>& facets) const {
+    constexpr int kMostTurns = 64;  // light that is caught longer is lost
     std::vector<Seen> seen;
     vec3 share(1.0f);
     float chance = 1.0f;
     Inside inside;
-    for (float from = 0.0f;;) {
-        const RTCRayHit ray = closest(origin, direction, from, kInfinity);
+    vec3 eye = origin;
+    vec3 along = direction;
+    float from = 0.0f;
+    std::optional<Facets> next = facets;
+    for (int turns = 0; turns <= kMostTurns;) {
+        const RTCRayHit ray = closest(eye, along, from, kInfinity);
         const RayHit hit = hitOf(ray);
         inside.travelTo(ray.ray.tfar);
+        Seen part{.hit = hit, .direction = along, .share = share * inside.left, .chance = chance};
         if (!hit.found()) {
-            seen.push_back({.hit = hit, .share = share * inside.left, .chance = chance});
+            seen.push_back(part);
             return seen;
         }
-        const bool behind = fromBehind(hit, direction);
+        const Material& material = scene_.materials[scene_.materials_of[hit.triangle]];
+        const bool behind = fromBehind(hit, along);
+        const bool unseen = behind && material.single_sided && !material.refracts();
+        const Turn turn = unseen ? Turn{} : turnAt(hit, along, next);
+        const vec3& absorption = absorptionOf(hit);
         if (behind) {
-            inside.leave(absorptionOf(hit));
+            inside.leave(absorption);
         }
         const vec3 left = inside.left;
-        if (!behind) {
-            inside.enter(absorptionOf(hit));
+        if (behind == turn.total) {
+            inside.enter(absorption);
         }
-        from = std::nextafter(ray.ray.tfar, kInfinity);
-        if (behind && scene_.materials[scene_.materials_of[hit.triangle]].single_sided) {
-            continue;
+        if (!turn.total && !unseen) {
+            const Crossing at = blended_
+                                    ? crossing(hit, turn.outside(along))
+                                    : Crossing{.meets = 1.0f, .chance = 1.0f, .passes = vec3(0.0f)};
+            part.share = share * left * at.meets;
+            part.chance = chance * at.chance;
+            part.leaving = turn.leaving;
+            seen.push_back(part);
+            share *= at.passes;
+            chance *= 1.0f - at.chance;
+            if (share == vec3(0.0f)) {
+                return seen;
+            }
         }
-        const Crossing at = blended_
-                                ? crossing(hit, direction)
-                                : Crossing{.meets = 1.0f, .chance = 1.0f, .passes = vec3(0.0f)};
-        seen.push_back(
-            {.hit = hit, .share = share * left * at.meets, .chance = chance * at.chance});
-        share *= at.passes;
-        chance *= 1.0f - at.chance;
-        if (share == vec3(0.0f)) {
-            return seen;
+        from = turn.turns ? 0.0f : std::nextafter(ray.ray.tfar, kInfinity);
+        if (turn.turns) {
+            inside.turn();
+            eye = turn.origin;
+            along = turn.along;
+            ++turns;
+            if (next) {
+                next->seed = hashCombine(next->seed, static_cast<uint32_t>(turns));
+            }
         }
     }
+    return seen;
 }
 
 vec3 RayScene::passing(const ShadowRay& shadow) const {
@@ -325,7 +413,8 @@ void RayScene::passing(std::span<const ShadowRay> rays, vec3* shares) const {
     }
 }
 
-Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pixel) const {
+Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pixel,
+                            float leaving) const {
     const uvec3& t = scene_.triangles[hit.triangle];
     const vec3 &p0 = scene_.positions[t.x], &p1 = scene_.positions[t.y],
                &p2 = scene_.positions[t.z];
@@ -362,6 +451,9 @@ Surface RayScene::surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pi
                       .n = normals.coat,
                       .albedo = coatAlbedo(layers, NoV_coat)};
         }
+    }
+    if (leaving > 0.0f) {
+        s.brdf = fromWithin(s.brdf, material.roughness, leaving);
     }
     s.specular_albedo = s.brdf.f0 * albedo_ab.x + vec3(s.brdf.f90 * albedo_ab.y);
     s.emission = material.emission;

@@ -45,11 +45,19 @@ struct Surface {
     vec3 rayOrigin() const { return position + offset * n_g; }
 };
 
+/// Of the random numbers by which a camera's ray chooses microfacets of rough glass.
+struct Facets {
+    uint32_t index;
+    uint32_t seed;
+};
+
 /// A part of what a camera's ray sees.
 struct Seen {
     RayHit hit;
-    vec3 share{1.0f};     ///< of the light that leaves it, what reaches the eye
-    float chance = 1.0f;  ///< that a ray which meets one of the parts by chance meets this one
+    vec3 direction{0.0f};  ///< of the ray there, unit: glass may have bent it
+    float leaving = 0.0f;  ///< as RayScene::surfaceAt() has it
+    vec3 share{1.0f};      ///< of the light that leaves it, what reaches the eye
+    float chance = 1.0f;   ///< that a ray which meets one of the parts by chance meets this one
 };
 
 /// The way from a surface to a light: t in [0, distance), direction unit.
@@ -69,8 +77,10 @@ class RayScene {
     /// glass are hit by Crossing::chance.
     RayHit intersect(const vec3& origin, const vec3& direction) const;
     /// What a camera's ray sees, from the eye on: it does not see the backs of single-sided
-    /// materials, and through blended surfaces. The last may be a miss.
-    std::vector<Seen> see(const vec3& origin, const vec3& direction) const;
+    /// materials, and through blended surfaces. The last may be a miss. Bodies of glass bend it by
+    /// Snell's law, and rough glass spreads it where there are `facets`.
+    std::vector<Seen> see(const vec3& origin, const vec3& direction,
+                          const std::optional<Facets>& facets = {}) const;
     /// What share of the light passes on the way.
     vec3 passing(const ShadowRay& ray) const;
 
@@ -88,8 +98,10 @@ class RayScene {
         int height;  ///< rows of the image
     };
     /// The surface at a hit of a ray of direction -wo; textures at the point alone or, for a
-    /// `pixel`, averaged over what it shows.
-    Surface surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pixel = nullptr) const;
+    /// `pixel`, averaged over what it shows. `leaving`: of a body of glass that the ray leaves
+    /// there, the cosine outside.
+    Surface surfaceAt(const RayHit& hit, const vec3& wo, const PixelOf* pixel = nullptr,
+                      float leaving = 0.0f) const;
 
     const Scene& scene() const { return scene_; }
 
@@ -103,6 +115,8 @@ class RayScene {
     void build();
     RTCRayHit closest(const vec3& origin, const vec3& direction, float from, float to) const;
     Crossing crossing(const RayHit& hit, const vec3& direction) const;
+    struct Turn;
+    Turn turnAt(const RayHit& hit, const vec3& along, const std::optional<Facets>& facets) const;
     const vec3& absorptionOf(const RayHit& hit) const {
         return scene_.materials[scene_.materials_of[hit.triangle]].absorption;
     }

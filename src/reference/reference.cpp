@@ -34,6 +34,8 @@ constexpr uint32_t kDirectSeed = 0x64697265u;
 // Of the places in a pixel that paths see, where they see all of it.
 constexpr uint32_t kPlaceSeed = 0x706c6163u;
 constexpr uint32_t kPartSeed = 0x70617274u;
+// Of rough glass that they see through.
+constexpr uint32_t kFacetSeed = 0x66616365u;
 
 // What a path of a pixel starts from.
 struct PathStart {
@@ -81,7 +83,8 @@ class Pixel {
         PathStart from{.start = {}, .coverage = 1.0f};
         // One of the surfaces, by chance.
         for (const Sighting& part : look(context_.rays, context_.whole_camera, context_.whole_size,
-                                         vec2(in_whole_) + place, Textures::kOfPlace, counters)) {
+                                         vec2(in_whole_) + place, Textures::kOfPlace, counters,
+                                         Facets{index, hashCombine(seed, kFacetSeed)})) {
             from.emission += part.share * part.emission;
             if (!part.surface) {
                 from.coverage = 1.0f - passingShare(part.share);

@@ -31,6 +31,7 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
     constexpr uint64_t kOfEdges = 300;  // where half of the pixels have some, and strays
     constexpr uint64_t kOfLamps = 50;   // what their samples add up to
     constexpr uint64_t kOfCoats = 160;  // receivers of their own
+    constexpr uint64_t kOfGlass = 60;   // from where pixels are seen, and where they lie
     constexpr uint64_t kOfMasks = 100;  // by material and object, all layers
     constexpr uint64_t kPerCoefficient = 4;  // of a lobe, here and as OpenGL has it
     const uint64_t masks = params.all_layers ? kOfMasks : 0;
@@ -53,12 +54,15 @@ uint64_t bytesOfPixels(const Scene& scene, const RenderParams& params, uint64_t 
     }
     // Blended surfaces are rendered beside what lies behind them.
     bool blended = false;
+    bool glass = false;
     for (size_t i = 0; i < used.size(); ++i) {
         blended = blended || (used[i] && scene.materials[i].blended);
+        glass = glass || (used[i] && scene.materials[i].transmits());
     }
     const uint64_t each =
         kByRecords + masks + (params.aa > 1 ? kOfEdges : 0) + (emits(scene) ? kOfLamps : 0) +
         (order > shared::DIFFUSE_ORDER ? kByRays : 0) + (coated ? kByRays + kOfCoats : 0) +
+        (glass ? kOfGlass : 0) +
         (params.method == Method::kRadiance ? kPerCoefficient * static_cast<uint64_t>(order * order)
                                             : 0);
     return (blended ? 2 : 1) * each * pixels + kDrawn * std::min<uint64_t>(pixels, kBandPixels);

@@ -77,6 +77,7 @@ std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const ViewState& view,
 SplatBuffer splatView(SceneState& state, const ViewState& view, const RecordCache& cache,
                       const WeightParams& weight) {
     SplatBuffer splat = splatGpu(state.pool, view.receivers, cache, weight);
+    splatBent(view.receivers, cache, weight, splat);
     state.pool.runOnFirst(dropTargets);
     return splat;
 }

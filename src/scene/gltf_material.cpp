@@ -1,6 +1,8 @@
 // Materials: factors, and which textures vary them.
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "scene/gltf_parts.h"
@@ -67,16 +69,27 @@ const tinygltf::Value* extensionOf(const tinygltf::Material& source, const char*
 
 constexpr float kUsualF0 = 0.04f;  // of a dielectric, which specular_color multiplies
 
-// Of an index of refraction; 0, as converters write it, stands for an infinite one.
-void readIor(File& file, const tinygltf::Value& extension, const std::string& where,
-             MaterialParams& params) {
+constexpr double kUsualIor = 1.5;
+
+// The index of refraction, where it is told; infinite where it is 0, as converters write that.
+std::optional<double> indexOf(File& file, const tinygltf::Material& source,
+                              const std::string& where) {
+    const tinygltf::Value* extension = extensionOf(source, "KHR_materials_ior");
+    if (extension == nullptr) {
+        return std::nullopt;
+    }
     const double ior =
-        finiteFloat(file, numberMember(file, extension, "ior", 1.5, where), where, "ior");
+        finiteFloat(file, numberMember(file, *extension, "ior", kUsualIor, where), where, "ior");
     if (ior != 0.0 && ior < 1.0) {
         file.notes.add(fmt::format("{}: ior {} is below 1 and counts as 1", where, ior));
     }
-    const double root = ior == 0.0 ? 1.0 : (std::max(ior, 1.0) - 1.0) / (std::max(ior, 1.0) + 1.0);
-    params.specular_color *= static_cast<float>(root * root) / kUsualF0;
+    return ior == 0.0 ? std::numeric_limits<double>::infinity() : std::max(ior, 1.0);
+}
+
+// What a surface of that index reflects at normal incidence.
+double reflectedByIndex(double ior) {
+    const double root = std::isinf(ior) ? 1.0 : (ior - 1.0) / (ior + 1.0);
+    return root * root;
 }
 
 void readSpecular(File& file, const tinygltf::Value& extension, const std::string& where,
@@ -94,7 +107,8 @@ void readSpecular(File& file, const tinygltf::Value& extension, const std::strin
 }
 
 void readMetallicRoughness(File& file, const tinygltf::Material& source, const std::string& where,
-                           TextureLoader& loader, Material& material) {
+                           const std::optional<double>& ior, TextureLoader& loader,
+                           Material& material) {
     const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
     if (pbr.baseColorFactor.size() != 4) {
         file.fail(where, "baseColorFactor must hold four numbers and emissiveFactor three");
@@ -111,8 +125,8 @@ void readMetallicRoughness(File& file, const tinygltf::Material& source, const s
         loader.use(infoOf(pbr.baseColorTexture), true, where);
     material.textures[shared::TEXTURE_METALLIC_ROUGHNESS] =
         loader.use(infoOf(pbr.metallicRoughnessTexture), false, where);
-    if (const tinygltf::Value* ior = extensionOf(source, "KHR_materials_ior")) {
-        readIor(file, *ior, where, params);
+    if (ior) {
+        params.specular_color *= static_cast<float>(reflectedByIndex(*ior)) / kUsualF0;
     }
     if (const tinygltf::Value* specular = extensionOf(source, "KHR_materials_specular")) {
         readSpecular(file, *specular, where, loader, material);
@@ -198,7 +212,7 @@ void readTransmission(File& file, const tinygltf::Value& extension, const std::s
 
 // Bodies of glass absorb over the distance that light travels in them; a thickness of 0 is a sheet.
 // How thick it says that they are has no say: rays know.
-void readVolume(File& file, const tinygltf::Value& extension, const std::string& where,
+void readVolume(File& file, const tinygltf::Value& extension, const std::string& where, double ior,
                 Material& material) {
     constexpr double kFarthest = std::numeric_limits<float>::max();
     const auto factor = [&](const char* key, double fallback) {
@@ -207,7 +221,11 @@ void readVolume(File& file, const tinygltf::Value& extension, const std::string&
     };
     const vec3 color(colorMember(file, extension, "attenuationColor", 3, 1.0, vec4(1.0f), where));
     const float distance = factor("attenuationDistance", 0.0);  // without, none absorbs
-    if (factor("thicknessFactor", 0.0) > 0.0f && distance > 0.0f && material.transmits()) {
+    if (!(factor("thicknessFactor", 0.0) > 0.0f && material.transmits())) {
+        return;
+    }
+    material.ior = std::isinf(ior) ? 1.0f : static_cast<float>(ior);  // nothing passes it
+    if (distance > 0.0f) {
         constexpr float kDarkest = 1e-6f;  // a channel that nothing is left of
         constexpr float kMost =
             1e9f;  // per unit of length: nothing is left, and no product overflows
@@ -330,10 +348,11 @@ Material loadMaterial(File& file, size_t index, bool lightmaps, TextureLoader& l
     Material material;
     material.name = source.name.empty() ? fmt::format("material {}", index) : oneLine(source.name);
     material.params = kStandard;
+    const std::optional<double> ior = indexOf(file, source, where);
     if (const auto* extension = extensionOf(source, "KHR_materials_pbrSpecularGlossiness")) {
         readSpecularGlossiness(file, *extension, where, loader, material);
     } else {
-        readMetallicRoughness(file, source, where, loader, material);
+        readMetallicRoughness(file, source, where, ior, loader, material);
     }
     readEmission(file, source, where, loader, material);
     material.normal_texture = loader.use(infoOf(source.normalTexture), false, where);
@@ -345,7 +364,7 @@ Material loadMaterial(File& file, size_t index, bool lightmaps, TextureLoader& l
         readTransmission(file, *extension, where, loader, material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_volume")) {
-        readVolume(file, *extension, where, material);
+        readVolume(file, *extension, where, ior.value_or(kUsualIor), material);
     }
     if (const auto* extension = extensionOf(source, "KHR_materials_clearcoat")) {
         readClearcoat(file, *extension, where, loader, material);

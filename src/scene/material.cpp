@@ -221,6 +221,7 @@ float coverageAt(const Scene& scene, uint32_t triangle, const vec3& barycentric)
 Crossing crossingAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                     const vec3& along) {
     constexpr float kLeastChance = 1.0f / 128.0f;  // clear glass may emit, or have a coat
+    constexpr float kBlack = 1e-12f;
     const float alpha = coverageAt(scene, triangle, barycentric);
     if (alpha == 0.0f || !scene.materials[scene.materials_of[triangle]].transmits()) {
         return {.meets = alpha, .chance = alpha, .passes = vec3(1.0f - alpha)};
@@ -234,10 +235,22 @@ Crossing crossingAt(const Scene& scene, uint32_t triangle, const vec3& barycentr
     const Brdf brdf = shared::makeBrdf(opaque, NoV, brdfAlbedo(NoV, opaque.roughness));
     const float under = shareUnderLayers(layersAt(scene, triangle, barycentric), NoV,
                                          glm::dot(normals.coat, -along));
-    const vec3 passes = (1.0f - alpha) + alpha * transmission * under * brdf.diffuse;
+    // A body is entered and left: each colours what passes by the root of its colour, so that both
+    // do once.
+    const vec3 tint = scene.materials[scene.materials_of[triangle]].bounds()
+                          ? 1.0f / glm::sqrt(glm::max(opaque.base_color, vec3(kBlack)))
+                          : vec3(1.0f);
+    const vec3 passes = (1.0f - alpha) + alpha * transmission * under * tint * brdf.diffuse;
     return {.meets = alpha,
             .chance = std::clamp(1.0f - maxAbs(passes), kLeastChance, 1.0f),
             .passes = passes};
+}
+
+Brdf fromWithin(const Brdf& outside, float roughness, float cosine) {
+    Brdf within = outside;
+    within.f0 = specularAlbedo(cosine, roughness, outside.f0, outside.f90);
+    within.f90 = maxAbs(within.f0);
+    return within;
 }
 
 vec3 meanEmission(const Scene& scene, uint32_t triangle) {

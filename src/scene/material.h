@@ -78,6 +78,8 @@ struct Material {
     TextureUse alpha_texture = {};
     /// Of a body of glass: by which light that travels in it falls, exp(-absorption * distance).
     vec3 absorption{0.0f};
+    /// Of a body of glass its index of refraction, at least 1; 0: a sheet without body.
+    float ior = 0.0f;
 
     bool textured() const {
         for (const TextureUse& use : textures) {
@@ -102,6 +104,12 @@ struct Material {
         return params.transmission > 0.0f &&
                (params.metallic < 1.0f || textures[shared::TEXTURE_METALLIC_ROUGHNESS].used());
     }
+    /// Whether it bounds a body of glass.
+    bool bounds() const { return ior > 0.0f && transmits(); }
+    /// Whether what passes it changes its direction there.
+    bool refracts() const { return ior > 1.0f && transmits(); }
+    /// Whether what passes some point of it is spread by its roughness.
+    bool blurs() const { return transmits() && params.roughness > shared::MIN_ROUGHNESS; }
     /// Whether some point of it does.
     bool emits() const { return params.emission != vec3(0.0f); }
 };

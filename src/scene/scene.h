@@ -201,6 +201,10 @@ struct Crossing {
 Crossing crossingAt(const Scene& scene, uint32_t triangle, const vec3& barycentric,
                     const vec3& along);
 
+/// The surface of a body of glass, told as it is from outside, as it reflects what comes from
+/// within: all but what leaves, at whose angle outside (its cosine) it reflects as much from there.
+Brdf fromWithin(const Brdf& outside, float roughness, float cosine);
+
 /// Of all points of a triangle, nits.
 vec3 meanEmission(const Scene& scene, uint32_t triangle);
 

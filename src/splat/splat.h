@@ -41,6 +41,11 @@ SplatBuffer splatGpu(gl::WorkerPool& pool, const Receivers& receivers, const Rec
 SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
                      const WeightParams& weight);
 
+/// Makes pixels whose rays glass has bent, which splatGpu() does not look for where they lie, what
+/// splatCpu() makes of them.
+void splatBent(const Receivers& receivers, const RecordCache& cache, const WeightParams& weight,
+               SplatBuffer& splat);
+
 /// What records say of the light above each receiver: [coefficient] of `order` bands, radiance in
 /// world space; black where none serves it. All records must have as many bands.
 std::vector<Image<vec3>> splatSh(const Receivers& receivers, const RecordCache& cache,

@@ -47,16 +47,19 @@ struct Serving {
     float weight;
 };
 
-// Calls body(i, records), in their order, for each receiver with a surface, many at once.
-template <class F>
+bool any(size_t) { return true; }
+
+// Calls body(i, records), in their order, for each receiver with a surface that is wanted(i), many
+// at once.
+template <class F, class Wanted = bool (*)(size_t)>
 void forReceivers(const Receivers& receivers, const RecordCache& cache, const WeightParams& weight,
-                  const F& body) {
+                  const F& body, const Wanted& wanted = any) {
     const Nearby nearby(cache, weight);
     parallelFor(receivers.image.height, [&](int y) {
         std::vector<Serving> serving;
         for (int x = 0; x < receivers.image.width; ++x) {
             const size_t i = receivers.image.index(x, y);
-            if (receivers.orders[i] == kNoOrder) {
+            if (receivers.orders[i] == kNoOrder || !wanted(i)) {
                 continue;
             }
             serving.clear();
@@ -75,27 +78,69 @@ void forReceivers(const Receivers& receivers, const RecordCache& cache, const We
 
 }  // namespace
 
+namespace {
+
+// What the records say at one receiver.
+struct Sums {
+    vec4 irradiance{0.0f}, specular{0.0f}, missed{0.0f};
+};
+
+Sums sumsAt(const Receivers& receivers, const RecordCache& cache, size_t i,
+            std::span<const Serving> serving) {
+    const int order = receivers.orders[i];
+    const bool reflects = order > shared::DIFFUSE_ORDER && !receivers.irradiance_only;
+    const shared::ShVector lobe = reflects ? receivers.lobes.at(i, order) : shared::ShVector{};
+    Sums sums;
+    for (const auto& [k, w] : serving) {
+        sums.irradiance += vec4(w * irradianceBy(receivers, i, k), w);
+        if (static_cast<int>(k.material) == receivers.materials[i]) {
+            sums.missed += vec4(w * shared::recordMissed(k), w);
+        }
+        if (reflects) {
+            const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
+            sums.specular +=
+                vec4(w * convolveRecord(k, sh, lobe.c, order, receivers.positions[i]), 0.0f);
+        }
+    }
+    return sums;
+}
+
+void put(const vec4& sum, size_t i, Image<vec4>& image) {
+    if (!image.pixels.empty()) {
+        image.pixels[i] = sum;
+    }
+}
+
+void putAll(const Sums& sums, size_t i, SplatBuffer& splat) {
+    put(sums.irradiance, i, splat.irradiance);
+    put(sums.specular, i, splat.specular);
+    put(sums.missed, i, splat.missed);
+}
+
+}  // namespace
+
 SplatBuffer splatCpu(const Receivers& receivers, const RecordCache& cache,
                      const WeightParams& weight) {
     const Image<vec4> none(receivers.image.width, receivers.image.height);
     SplatBuffer result{none, none, none};
     forReceivers(receivers, cache, weight, [&](size_t i, std::span<const Serving> serving) {
-        const int order = receivers.orders[i];
-        const bool reflects = order > shared::DIFFUSE_ORDER && !receivers.irradiance_only;
-        const shared::ShVector lobe = reflects ? receivers.lobes.at(i, order) : shared::ShVector{};
-        for (const auto& [k, w] : serving) {
-            result.irradiance.pixels[i] += vec4(w * irradianceBy(receivers, i, k), w);
-            if (static_cast<int>(k.material) == receivers.materials[i]) {
-                result.missed.pixels[i] += vec4(w * shared::recordMissed(k), w);
-            }
-            if (reflects) {
-                const float* sh = &cache.sh[static_cast<size_t>(k.sh_first)];
-                result.specular.pixels[i] +=
-                    vec4(w * convolveRecord(k, sh, lobe.c, order, receivers.positions[i]), 0.0f);
-            }
-        }
+        putAll(sumsAt(receivers, cache, i, serving), i, result);
     });
     return result;
+}
+
+void splatBent(const Receivers& receivers, const RecordCache& cache, const WeightParams& weight,
+               SplatBuffer& splat) {
+    if (receivers.eyes.empty()) {
+        return;
+    }
+    const auto bent = [&](size_t i) { return receivers.isBent(i); };
+    forReceivers(
+        receivers, cache, weight,
+        [&](size_t i, std::span<const Serving> serving) {
+            putAll(sumsAt(receivers, cache, i, serving), i, splat);
+        },
+        bent);
 }
 
 std::vector<Image<vec3>> splatSh(const Receivers& receivers, const RecordCache& cache,
