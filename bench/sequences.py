@@ -7,15 +7,20 @@ import pathlib
 import subprocess
 import tempfile
 
-from harness import ROOT, SCENES, Run, table
+from harness import ROOT, SCENES, Run, machine, table
 
 WHOLE = ["kite", "doors", "orbit"]
-# Each frame anew at two accuracies, so that a time at equal error can be read off.
+# Each frame anew at several accuracies, so that a time at equal error can be read off.
 METHODS = {
-    "every frame anew": [],
-    "every frame anew, accuracy 0.8": ["--accuracy", "0.8"],
-    "temporal, extrapolated": ["--lifespan", "24"],
-    "temporal, kept": ["--lifespan", "24", "--temporal-gradients", "none"],
+    "anew": [],
+    "anew, accuracy 0.6": ["--accuracy", "0.6"],
+    "anew, accuracy 0.8": ["--accuracy", "0.8"],
+    "temporal, none": ["--lifespan", "4", "--temporal-gradients", "none"],
+    "temporal, extrapolated": ["--lifespan", "4"],
+    "temporal, interpolated": ["--lifespan", "4", "--temporal-gradients", "interpolated"],
+    "temporal, interpolated, 12 frames": ["--lifespan", "12", "--temporal-gradients", "interpolated"],
+    "k-means anew": ["--placement", "kmeans"],
+    "k-means, interpolated": ["--placement", "kmeans", "--lifespan", "4", "--temporal-gradients", "interpolated"],
     "hints": ["--method", "hints"],
     "denoised, 64 paths": ["--method", "denoised", "--spp", "64"],
 }
@@ -31,7 +36,31 @@ def pairs(first, last, count):
     return sorted({first + (last - 1 - first) * i // max(count - 1, 1) for i in range(count)})
 
 
-def main():
+def judge(sheen, images, reference):
+    """What compare says of a sequence; of flicker and the mean error of its frames."""
+    judged = subprocess.run([sheen, "compare", "--sequence", f"{images}/%04d.exr", f"{reference}/%04d.exr", "--json", "-"],
+                            capture_output=True, text=True, check=False)
+    if judged.returncode not in (0, 3):  # 3: some frame is mostly the reference's noise
+        raise RuntimeError(judged.stderr)
+    figures = json.loads(judged.stdout)
+    return figures["flicker"], sum(f["rel_rmse"] for f in figures["frames"]) / len(figures["frames"])
+
+
+def measure(sheen, name, method, reference, frames, size):
+    """A row of figures: error and flicker are relative, times are seconds a frame of one processor core."""
+    with tempfile.TemporaryDirectory() as images:
+        run = animate(sheen, SCENES / f"{name}.glb", images, f"0..{frames - 1}", *size, *METHODS[method])
+        flicker, error = judge(sheen, images, reference)
+    return {"scene": name, "method": method, "error": error, "flicker": flicker["value"],
+            "resolution": flicker["resolution"], "seconds": run.cpu / frames}
+
+
+def cells(row):
+    return [row["scene"], row["method"], f"{100 * row['error']:.2f}%",
+            f"{100 * row['flicker']:.2f}% ({100 * row['resolution']:.2f}%)", f"{row['seconds']:.2f}"]
+
+
+def parse():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*", default=WHOLE, help="of scenes/, without .glb")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
@@ -41,39 +70,36 @@ def main():
     parser.add_argument("--pairs", type=int, default=12, help="of the reference")
     parser.add_argument("--spp", type=int, default=2048, help="of the reference")
     parser.add_argument("--methods", nargs="*", default=list(METHODS))
-    arguments = parser.parse_args()
+    parser.add_argument("--references", type=pathlib.Path, help="folder where references are kept, for another run")
+    parser.add_argument("--json", type=pathlib.Path, help="also writes the figures here, for sheen chart --sequences")
+    return parser.parse_args()
+
+
+def described(arguments, sheen):
+    return (f"{machine(sheen, None)[0]} {arguments.frames} frames of {arguments.size} pixels, light of {arguments.bounces} "
+            f"bounces, against {arguments.pairs} pairs of frames by {arguments.spp} paths a pixel.")
+
+
+def main():
+    arguments = parse()
     sheen = arguments.build / "sheen"
     size = ["--size", arguments.size, "--bounces", arguments.bounces]
     rows = []
-    for name in arguments.scenes:
-        scene = SCENES / f"{name}.glb"
-        with tempfile.TemporaryDirectory() as folder:
-            reference = pathlib.Path(folder) / "reference"
-            reference.mkdir()
+    with tempfile.TemporaryDirectory() as folder:
+        for name in arguments.scenes:
+            reference = (arguments.references or pathlib.Path(folder)) / name
+            reference.mkdir(parents=True, exist_ok=True)
             for first in pairs(0, arguments.frames - 1, arguments.pairs):
-                animate(sheen, scene, reference, f"{first}..{first + 1}", *size, "--method", "reference", "--spp",
-                        str(arguments.spp))
+                animate(sheen, SCENES / f"{name}.glb", reference, f"{first}..{first + 1}", *size, "--method", "reference",
+                        "--spp", str(arguments.spp))
             for method in arguments.methods:
-                out = pathlib.Path(folder) / "images"
-                out.mkdir()
-                run = animate(sheen, scene, out, f"0..{arguments.frames - 1}", *size, *METHODS[method])
-                judged = subprocess.run(
-                    [sheen, "compare", "--sequence", f"{out}/%04d.exr", f"{reference}/%04d.exr", "--json", "-"],
-                    capture_output=True, text=True, check=False)
-                if judged.returncode not in (0, 3):  # 3: some frame is mostly the reference's noise
-                    raise RuntimeError(judged.stderr)
-                figures = json.loads(judged.stdout)
-                error = sum(f["rel_rmse"] for f in figures["frames"]) / len(figures["frames"])
-                flicker = figures["flicker"]
-                rows.append([name, method, f"{100 * error:.1f}%",
-                             f"{100 * flicker['value']:.2f}% ({100 * flicker['resolution']:.2f}%)",
-                             f"{run.cpu / arguments.frames:.2f}"])
-                print(*rows[-1], sep=" | ", flush=True)
-                for file in out.iterdir():
-                    file.unlink()
-                out.rmdir()
+                rows.append(measure(sheen, name, method, reference, arguments.frames, size))
+                print(*cells(rows[-1]), sep=" | ", flush=True)
+    if arguments.json:
+        text = json.dumps({"measured": described(arguments, sheen), "points": rows}, indent=1)
+        arguments.json.write_text(text + "\n", encoding="utf-8")
     print()
-    print(*table(["scene", "method", "error", "flicker (resolution)", "CPU s a frame"], rows), sep="\n")
+    print(*table(["scene", "method", "error", "flicker (resolution)", "CPU s a frame"], [cells(row) for row in rows]), sep="\n")
 
 
 if __name__ == "__main__":

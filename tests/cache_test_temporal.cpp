@@ -78,11 +78,76 @@ TEST(Temporal, IrradianceDoesNotBecomeNegative) {
 
 TEST(Temporal, WithoutExtrapolationItStays) {
     TemporalParams params = kParams;
-    params.extrapolate = false;
+    params.gradients = TemporalGradients::kNone;
     GatheredRecord found = changing(1.0f, 1.25f);
     growOlder(found, params);
     EXPECT_EQ(found.record.irradiance.x, 1.0f);
     EXPECT_EQ(found.age, 1);
+}
+
+// ---- Interpolated gradients ---------------------------------------------------------------------
+
+constexpr TemporalParams kInterpolated = {
+    .accuracy = 0.1f, .longest = 8, .gradients = TemporalGradients::kInterpolated};
+
+Life lifeOfFour() {
+    Life life{.first = changing(1.0f, 2.0f), .next = changing(3.0f, 3.0f), .frames = 4};
+    life.first.record.radius = 2.0f;
+    life.next->record.radius = 4.0f;
+    life.next->record.translation_g = vec3(0.0f, 8.0f, 0.0f);
+    life.next->record.missed_b = -1.0f;
+    life.next->curvature = 6.0f;
+    life.first.sh = {1.0f, 5.0f};
+    life.next->sh = {5.0f, 1.0f};
+    return life;
+}
+
+TEST(Temporal, ARecordBetweenIsOnTheLineBetweenItsEnds) {
+    const Life life = lifeOfFour();
+    for (int age = 0; age <= 4; ++age) {
+        const GatheredRecord found = recordAt(life, age);
+        const float t = 0.25f * static_cast<float>(age);
+        EXPECT_EQ(found.age, age);
+        EXPECT_FLOAT_EQ(found.record.irradiance.x, 1.0f + 2.0f * t);
+        EXPECT_FLOAT_EQ(found.record.radius, 2.0f + 2.0f * t);
+        EXPECT_FLOAT_EQ(found.record.translation_g.y, 8.0f * t);
+        EXPECT_FLOAT_EQ(found.record.missed_b, -t);
+        EXPECT_FLOAT_EQ(found.curvature, 6.0f * t);
+        EXPECT_FLOAT_EQ(found.sh[0], 1.0f + 4.0f * t);
+        EXPECT_FLOAT_EQ(found.sh[1], 5.0f - 4.0f * t);
+    }
+}
+
+TEST(Temporal, WhereLightJumpsOrNothingFollowsItStays) {
+    Life jumps = lifeOfFour();
+    jumps.jumps = true;
+    EXPECT_EQ(recordAt(jumps, 3).record.irradiance.x, 1.0f);
+    Life goes_on = lifeOfFour();
+    goes_on.next.reset();
+    EXPECT_EQ(recordAt(goes_on, 3).record.irradiance.x, 1.0f);
+    EXPECT_EQ(recordAt(goes_on, 3).sh[1], 5.0f);
+}
+
+TEST(Temporal, WitnessesTellWhetherLightJumps) {
+    // A change of up to thrice the accuracy may have come since the frame before.
+    for (const auto& [change, jumps] : {std::pair(0.05f, false), {0.29f, false}, {0.31f, true}}) {
+        RecordField field;
+        field.records = {changing(1.0f, 1.0f)};
+        beginLives(field, 0, kInterpolated, false);
+        GatheredRecord& found = field.records[0];
+        const std::shared_ptr<Life> life = found.life;
+        growOlder(found, kInterpolated);
+        growOlder(found, kInterpolated);
+        endLife(found, changing(2.0f, 2.0f), change, kInterpolated);
+        EXPECT_EQ(life->frames, 2);
+        EXPECT_EQ(life->jumps, jumps) << change;
+        EXPECT_EQ(life->first.record.irradiance.x, 1.0f);
+        EXPECT_EQ(life->next->record.irradiance.x, 2.0f);
+        EXPECT_EQ(life->first.life, nullptr) << "none would ever be freed";
+        // They err by chance: what was gathered must agree.
+        endLife(found, changing(1.29f, 1.29f), change, kInterpolated);
+        EXPECT_FALSE(life->jumps);
+    }
 }
 
 TEST(Temporal, TheFirstRecordsEndAtDifferentTimes) {
@@ -106,6 +171,12 @@ TEST(Temporal, TheFirstRecordsEndAtDifferentTimes) {
     }
     beginLives(field, 100, kParams, false);
     EXPECT_EQ(field.records[799].lifespan, kParams.longest);
+    beginLives(field, 0, kInterpolated, true);
+    std::set<int> lives;
+    for (const GatheredRecord& found : field.records) {
+        lives.insert(found.lifespan);
+    }
+    EXPECT_EQ(lives, (std::set<int>{4, 5, 6, 7, 8})) << "a line of one frame would be a step";
 }
 
 // Records on the floor of a stage, some of whose lives have ended.
@@ -200,6 +271,28 @@ TEST(Temporal, RecordsWhoseLightHasChangedAreReplacedToo) {
                                  {.params = kParams}, gatherer, old.field);
     EXPECT_EQ(gatherer.asked, old.field.records.size() - ended - young);
     EXPECT_EQ(renewed, ended + (gatherer.asked + 1) / 2);
+}
+
+TEST(Temporal, WhatReplacesARecordEndsItsLifeAndBeginsAnother) {
+    OldRecords old;
+    std::vector<std::shared_ptr<Life>> lives;
+    beginLives(old.field, 0, kInterpolated, false);
+    for (size_t k = 0; k < old.field.records.size(); ++k) {
+        lives.push_back(old.field.records[k].life);
+        old.field.records[k].age = static_cast<int>(k % 5);
+        old.field.records[k].lifespan = 4;
+    }
+    old.renewBy({.params = kInterpolated}, kBrighter);
+    for (size_t k = 0; k < lives.size(); ++k) {
+        const bool ended = k % 5 == 4;
+        EXPECT_EQ(lives[k]->next.has_value(), ended);
+        EXPECT_EQ(old.field.records[k].life == lives[k], !ended);
+        if (ended) {
+            EXPECT_EQ(lives[k]->frames, 4);
+            EXPECT_EQ(lives[k]->next->record.irradiance.x, 9.0f);
+            EXPECT_EQ(old.field.records[k].life->first.record.irradiance.x, 9.0f);
+        }
+    }
 }
 
 TEST(Temporal, OfNoRecordsNoneIsReplaced) {

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "chart/report.h"
 #include "chart_test_sample.h"
+#include "test_folder.h"
 
 namespace sheen {
 namespace {
@@ -102,6 +104,52 @@ TEST(ChartJson, readsBack) {
     // Not judged, of no error and of infinite error: none of them is on a front.
     for (const Json& index : hostile["pareto"]["rel_rmse"]) {
         EXPECT_GT(index.get<int>(), 2);
+    }
+}
+
+TEST(ChartJson, holdsSequencesThatWereMeasured) {
+    Chart chart = sampleChart();
+    const Json sequences = Json::parse(chartJson(chart))["sequences"];
+    EXPECT_EQ(sequences["measured"], "By hand.");
+    ASSERT_EQ(sequences["points"].size(), 3u);
+    EXPECT_EQ(sequences["points"][1], Json({{"scene", "kite"},
+                                            {"method", "temporal"},
+                                            {"error", 0.02},
+                                            {"flicker", 0.0005},
+                                            {"resolution", 0.001},
+                                            {"seconds", 1.0}}));
+    chart.sequences.reset();
+    EXPECT_TRUE(Json::parse(chartJson(chart))["sequences"].is_null());
+}
+
+TEST(Sequences, readBack) {
+    const TestFolder folder;
+    const std::string path = folder.path() / "sequences.json";
+    std::ofstream(path) << Json::parse(chartJson(sampleChart()))["sequences"];
+    const Sequences read = readSequences(path);
+    EXPECT_EQ(read.measured, "By hand.");
+    ASSERT_EQ(read.points.size(), 3u);
+    EXPECT_EQ(read.points[0].method, "anew");
+    EXPECT_EQ(read.points[0].seconds, 4.0);
+    EXPECT_EQ(read.points[1].flicker, 0.0005);
+}
+
+TEST(Sequences, ofBrokenFilesAreErrors) {
+    const TestFolder folder;
+    const std::string path = folder.path() / "sequences.json";
+    EXPECT_THROW(readSequences(path), Error);
+    for (const char* text :
+         {"", "{", "[]", "{}", R"({"measured": "", "points": [{"scene": "a"}]})",
+          R"({"measured": "", "points": [{"scene": "a", "method": "b", "error": -1,
+              "flicker": 0, "resolution": 0, "seconds": 1}]})"}) {
+        std::ofstream(path) << text;
+        try {
+            readSequences(path);
+            FAIL() << text;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::kInput) << text;
+            EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << text;
+        }
     }
 }
 

@@ -83,6 +83,10 @@ Chart sampleChart() {
     points[0].errors.judged = false;
     points[1].errors.rel_rmse = 0;
     points[2].errors.rel_rmse = std::numeric_limits<double>::infinity();
+    chart.sequences = Sequences{.measured = "By hand.",
+                                .points = {{"kite", "anew", 0.02, 0.03, 0.001, 4.0},
+                                           {"kite", "temporal", 0.02, 0.0005, 0.001, 1.0},
+                                           {kHostileName, "anew", 0.5, 0.25, 0.001, 2.0}}};
     return chart;
 }
 

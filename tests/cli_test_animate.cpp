@@ -39,6 +39,21 @@ TEST_F(CliAnimate, ContinuesWithTheSameBits) {
     }
 }
 
+TEST_F(CliAnimate, RecordsMayBeGatheredAheadOfImages) {
+    const std::string options =
+        "--fps 2 --size 16x12 --aa 1 --bounces 1 --lifespan 2 --temporal-gradients interpolated";
+    ASSERT_EQ(call("animate scene.gltf -o a/%04d.exr " + options).code, 0);
+    ASSERT_EQ(call("animate scene.gltf -o b/%04d.exr --threads 1 " + options).code, 0);
+    for (const char* name : {"0000.exr", "0001.exr", "0002.exr", "0003.exr", "0004.exr"}) {
+        EXPECT_TRUE(textOf(folder_ / "a" / name) == textOf(folder_ / "b" / name)) << name;
+    }
+    fs::remove(file("b/0003.exr"));
+    const Outcome again = call("animate scene.gltf -o b/%04d.exr --json - " + options);
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(Json::parse(again.out)["kept"], 4);
+    EXPECT_TRUE(fs::exists(file("b/0003.exr")));
+}
+
 TEST_F(CliAnimate, AStillSceneHasTheSameBitsInAllFrames) {
     writeScene([](Json& json) { json["animations"][0]["channels"].clear(); });
     const Outcome run =
@@ -120,6 +135,14 @@ TEST_F(CliAnimate, Errors) {
                 "--lifespan");
     expectError("animate scene.gltf -o %d.exr --lifespan 4 --gather plane", ExitCode::kUsage,
                 "--lifespan");
+    expectError("animate scene.gltf -o %d.exr --temporal-gradients interpolated", ExitCode::kUsage,
+                "--temporal-gradients: needs --lifespan");
+    for (const char* limit : {"--target-error 0.1", "--time-limit 1"}) {
+        expectError(fmt::format("animate scene.gltf -o %d.exr --lifespan 4 --temporal-gradients "
+                                "interpolated {}",
+                                limit),
+                    ExitCode::kUsage, "interpolated: gathers records before");
+    }
     expectError("animate none.gltf -o %d.exr", ExitCode::kInput, "none.gltf");
     writeScene([](Json& json) { json["animations"][0]["samplers"][0]["input"] = 77; });
     expectError("animate scene.gltf -o %d.exr", ExitCode::kInput, "accessor 77");

@@ -1,6 +1,7 @@
 // Sequences of frames: what is reused changes no bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -147,6 +148,97 @@ TEST(LivingRecords, ThoseOfFramesThatAreNotNeighboursAreNotMixed) {
     sequence.render(10);
     EXPECT_EQ(sequence.render(12).stats.records_reused, 0);
     EXPECT_GT(sequence.render(13).stats.records_reused, 0);
+}
+
+// ---- Interpolated: records are gathered ahead of images -----------------------------------------
+
+SequenceParams onLines(int longest, int last, double fps = 24.0) {
+    return {.fps = fps,
+            .temporal =
+                TemporalParams{.longest = longest, .gradients = TemporalGradients::kInterpolated},
+            .last = last};
+}
+
+std::vector<RenderResult> framesOf(const char* name, const SequenceParams& sequence,
+                                   const std::vector<int>& frames, RenderParams params = kParams) {
+    AnimatedScene scene(sceneFile(name));
+    params.all_layers = true;  // places among them
+    FrameSequence rendered(scene, params, sequence);
+    std::vector<RenderResult> results;
+    for (const int frame : frames) {
+        results.push_back(rendered.render(frame));
+    }
+    return results;
+}
+
+// The greatest change from frame to frame, over the pixel's light, of pixels that see what stands.
+float greatestPop(const std::vector<RenderResult>& frames) {
+    float pop = 0.0f;
+    for (size_t i = 0; i < frames[0].frame.indirect.pixels.size(); ++i) {
+        const bool stands = std::all_of(frames.begin(), frames.end(), [&](const auto& each) {
+            return each.frame.primitive.pixels[i] == frames[0].frame.primitive.pixels[i] &&
+                   each.frame.position.pixels[i] == frames[0].frame.position.pixels[i];
+        });
+        for (size_t n = 1; n < frames.size() && stands; ++n) {
+            const vec3& before = frames[n - 1].frame.indirect.pixels[i];
+            const vec3 change = frames[n].frame.indirect.pixels[i] - before;
+            pop = std::max(pop, glm::length(change) / glm::length(before));
+        }
+    }
+    return pop;
+}
+
+TEST(InterpolatedRecords, LightThatChangesSlowlyDoesNotPop) {
+    // So slowly that a pixel's light changes by a fraction of a percent from frame to frame.
+    constexpr double kFps = 480.0;
+    const std::vector<int> frames = {300, 301, 302, 303, 304, 305};
+    RenderParams params = kParams;
+    params.gather.size = 32;
+    params.placement.accuracy = 0.5f;
+    EXPECT_LT(greatestPop(framesOf("kite.glb", onLines(4, 305, kFps), frames, params)), 0.01f);
+    SequenceParams at_once = living(4);
+    at_once.fps = kFps;
+    EXPECT_GT(greatestPop(framesOf("kite.glb", at_once, frames, params)), 0.02f)
+        << "the test finds pops";
+}
+
+TEST(InterpolatedRecords, TheImageIsAsGood) {
+    const std::vector<RenderResult> frames =
+        framesOf("kite.glb", onLines(8, 14), {10, 11, 12, 13, 14});
+    for (int frame = 10; frame <= 14; ++frame) {
+        const RenderResult& result = frames[static_cast<size_t>(frame - 10)];
+        const RenderResult alone =
+            renderFrame(sceneAt(sceneFile("kite.glb"), frame / 24.0), kParams);
+        EXPECT_EQ(result.stats.pixels_uncovered, 0);
+        EXPECT_EQ(result.stats.nonfinite_pixels, 0);
+        EXPECT_LT(relativeRms(result.frame.indirect, alone.frame.indirect), 0.06) << frame;
+    }
+    EXPECT_GT(frames[2].stats.records_reused, frames[2].stats.records / 2);
+}
+
+TEST(InterpolatedRecords, LightThatComesSuddenlyDoesNotComeEarly) {
+    // The door opens from frame 12 on.
+    const std::vector<RenderResult> frames =
+        framesOf("doors.glb", onLines(8, 17), {9, 10, 11, 12, 13, 14, 15, 16, 17});
+    const Image<vec3>& at_rest = frames[0].frame.indirect;
+    EXPECT_TRUE(sameBits(frames[2].frame.indirect, at_rest));
+    const RenderResult alone = renderFrame(sceneAt(sceneFile("doors.glb"), 17 / 24.0), kParams);
+    EXPECT_LT(relativeRms(frames[8].frame.indirect, alone.frame.indirect), 0.1);
+}
+
+TEST(InterpolatedRecords, FramesThatAreLeftOutChangeNoBit) {
+    const auto all = framesOf("kite.glb", onLines(2, 14), {10, 11, 12, 13, 14});
+    const auto some = framesOf("kite.glb", onLines(2, 14), {10, 12, 14});
+    for (size_t k = 0; k < some.size(); ++k) {
+        EXPECT_TRUE(sameBits(some[k].frame.indirect, all[2 * k].frame.indirect)) << k;
+    }
+}
+
+TEST(InterpolatedRecords, ASceneThatStandsStillHasTheSameBits) {
+    const auto frames = framesOf("doors.glb", onLines(3, 8), {2, 3, 5, 8});
+    for (const RenderResult& each : frames) {
+        EXPECT_TRUE(sameBits(each.frame.indirect, frames[0].frame.indirect));
+    }
 }
 
 TEST(LivingRecords, OfAMovingCameraTheyDoNotAge) {

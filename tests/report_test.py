@@ -240,6 +240,14 @@ class Report(unittest.TestCase):
         rows()[0].click()
         self.assertEqual(self.chosen()[1], "8")
 
+    def test_scenes_that_move(self):
+        rows = [[cell.text for cell in row.find_elements(By.TAG_NAME, "td")]
+                for row in self.driver.find_elements(By.CSS_SELECTOR, "#sequences-table tbody tr")]
+        self.assertEqual(rows[0], ["kite", "anew", "2.00%", "3.00%", "4.00 s"])
+        self.assertEqual(rows[1][3], "< 0.100%")  # what the reference's noise hides
+        self.assertEqual(rows[2][0][:9], "</script>")
+        self.assertTrue(self.id("sequences-measured").text.startswith("By hand."))
+
     def test_dark(self):
         drawn = lambda: self.js("Chart.getChart(document.querySelector('#panels canvas')).data.datasets[0].borderColor")
         light = drawn()
@@ -252,7 +260,7 @@ class Report(unittest.TestCase):
         self.driver.get("about:blank")
         self.driver.get(self.url + "#charts")
         self.assertTrue(self.id("panels").is_displayed())
-        for part in ("inspector", "equal", "stages", "figures", "errors"):
+        for part in ("inspector", "equal", "stages", "sequences", "figures", "errors"):
             self.assertFalse(self.id(part).is_displayed(), part)
 
 

@@ -9,11 +9,18 @@
 
 namespace sheen {
 
+/// What a record says of light while it lives [GBP07].
+enum class TemporalGradients {
+    kNone,          ///< as it was gathered
+    kExtrapolated,  ///< it goes on changing as it did from its first frame on
+    kInterpolated,  ///< on the line to what is gathered at its end (recordAt())
+};
+
 struct TemporalParams {
     /// a_t: by how much of itself a record's light may change while it lives.
     float accuracy = 0.03f;
-    int longest = 8;          ///< life, frames
-    bool extrapolate = true;  ///< what it says goes on changing as it did from its first frame on
+    int longest = 8;  ///< life, frames
+    TemporalGradients gradients = TemporalGradients::kExtrapolated;
 };
 
 struct Ageing {

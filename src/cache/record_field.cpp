@@ -112,20 +112,24 @@ RecordField KeptRecords::take(const Receivers& receivers, const PlacementParams&
     }
     field.reused = field.records.size();
     records_ = std::move(left);
+    latest_ = 0;
     return field;
 }
 
 void KeptRecords::put(RecordField field) {
+    latest_ = 0;
     if (field.records.empty()) {
         return;
     }
     gather_size_ = records_.empty() ? field.gather_size : std::min(gather_size_, field.gather_size);
     std::move(field.records.begin(), field.records.end(), std::back_inserter(records_));
+    latest_ = field.records.size();
 }
 
 void KeptRecords::dropToLatest(size_t most) {
     if (records_.size() > most) {  // what views have seen goes to the end
         records_.erase(records_.begin(), records_.end() - static_cast<ptrdiff_t>(most));
+        latest_ = 0;
     }
 }
 
@@ -139,6 +143,7 @@ void KeptRecords::beginFrame(Ageing ageing, bool older) {
 }
 
 void KeptRecords::forgetEnded() {
+    latest_ = 0;
     std::erase_if(records_, [](const GatheredRecord& found) {
         return found.lifespan > 0 && found.age >= found.lifespan;
     });

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "cache/ageing.h"
@@ -41,6 +42,8 @@ class KeptRecords {
     size_t size() const { return records_.size(); }
     const std::vector<GatheredRecord>& records() const { return records_; }
     int gatherSize() const { return gather_size_; }
+    /// Those of the view that was put last, until another one takes or drops some.
+    std::span<const GatheredRecord> latest() const { return std::span(records_).last(latest_); }
 
     /// Hands over those that lie at a receiver and are of its order, in the order that they were
     /// kept in; at most one a receiver, the first: closer together they would say the same. Others
@@ -61,6 +64,7 @@ class KeptRecords {
 
   private:
     std::vector<GatheredRecord> records_;
+    size_t latest_ = 0;  // so many, the last, are of the view that was put last
     int gather_size_ = 0;
     std::optional<Ageing> ageing_;
 };

@@ -22,49 +22,90 @@ std::span<const float> valuesOf(const std::vector<float>& sh, int order) {
     return std::span(sh).first(static_cast<size_t>(3 * order * order));
 }
 
-bool moves(const Ageing& ageing, uint32_t triangle) {
-    return triangle < ageing.moved.size() && ageing.moved[triangle] != 0;
-}
-
-// [record]: whose light has changed by more than a life allows, foreseen or not. Those of this
-// frame, and of frames that differ by cameras alone, have age 0.
-std::vector<uint8_t> outdated(const RecordField& field, const TemporalParams& params,
-                              Gatherer& gatherer) {
-    std::vector<const GatheredRecord*> asked;
-    std::vector<size_t> indices;
-    for (size_t k = 0; k < field.records.size(); ++k) {
-        const GatheredRecord& found = field.records[k];
-        if (found.age > 0 && found.age < found.lifespan) {
-            asked.push_back(&found);
-            indices.push_back(k);
-        }
-    }
-    const std::vector<float> changes = gatherer.changesSince(asked);
-    std::vector<uint8_t> result(field.records.size(), 0);
-    for (size_t n = 0; n < asked.size(); ++n) {
-        result[indices[n]] = changes[n] > params.accuracy ? 1 : 0;
-    }
-    return result;
-}
-
-}  // namespace
-
-float changeOf(const GatheredRecord& found) {
-    if (!found.later) {
-        return 0.0f;
-    }
+// By how much of itself a record's light differs from that, of as many coefficients.
+float changeTo(const GatheredRecord& found, const vec3& irradiance, const std::vector<float>& sh) {
     const vec3& now = found.record.irradiance;
-    const vec3 change = found.later->irradiance - now;
+    const vec3 change = irradiance - now;
     double result = relative(normOf({&change[0], 3}), normOf({&now[0], 3}));
     if (!found.sh.empty()) {
         const auto of_now = valuesOf(found.sh, found.record.order);
-        const auto of_later = valuesOf(found.later->sh, found.record.order);
+        const auto of_later = valuesOf(sh, found.record.order);
         std::vector<float> changes(of_now.size());
         std::transform(of_later.begin(), of_later.end(), of_now.begin(), changes.begin(),
                        std::minus<>());
         result = std::max(result, relative(normOf(changes), normOf(of_now)));
     }
     return static_cast<float>(result);
+}
+
+bool moves(const Ageing& ageing, uint32_t triangle) {
+    return triangle < ageing.moved.size() && ageing.moved[triangle] != 0;
+}
+
+// Light that has changed by so many times a_t since a record was gathered, and by no more than a_t
+// the frame before, has jumped. Witnesses alone are too few to tell: one that meets an edge stands
+// for a 32nd of the light. What was gathered tells with them.
+constexpr float kJump = 3.0f;
+
+// [record]: by how much of itself its light has changed since it was gathered, foreseen or not.
+// Those of this frame, and of frames that differ by cameras alone, have age 0. Of those that end
+// anyway it is asked whether light jumps.
+std::vector<float> changesOf(const RecordField& field, const TemporalParams& params,
+                             Gatherer& gatherer) {
+    const bool of_ended = params.gradients == TemporalGradients::kInterpolated;
+    std::vector<const GatheredRecord*> asked;
+    std::vector<size_t> indices;
+    for (size_t k = 0; k < field.records.size(); ++k) {
+        const GatheredRecord& found = field.records[k];
+        if (found.age > 0 && (of_ended || found.age < found.lifespan)) {
+            asked.push_back(&found);
+            indices.push_back(k);
+        }
+    }
+    const std::vector<float> changes = gatherer.changesSince(asked);
+    std::vector<float> result(field.records.size(), 0.0f);
+    for (size_t n = 0; n < asked.size(); ++n) {
+        result[indices[n]] = changes[n];
+    }
+    return result;
+}
+
+// What mixing takes of a record.
+GatheredRecord saidBy(const GatheredRecord& found) {
+    GatheredRecord said = found;
+    said.witnesses = {};
+    said.later.reset();
+    said.life.reset();
+    return said;
+}
+
+// `found` was gathered in this frame.
+void beginLife(GatheredRecord& found, const TemporalParams& params) {
+    found.age = 0;
+    found.lifespan = lifespanOf(found, params);
+    if (params.gradients == TemporalGradients::kInterpolated) {
+        found.life = std::make_shared<Life>(Life{.first = saidBy(found), .next = {}});
+    }
+}
+
+// Mixes all of a record that may differ at its place.
+template <class Mix>
+void mixRecords(Record& now, const Record& then, const Mix& mix) {
+    for (vec3 Record::*vector :
+         {&Record::irradiance, &Record::rotation_r, &Record::rotation_g, &Record::rotation_b,
+          &Record::translation_r, &Record::translation_g, &Record::translation_b}) {
+        mix(now.*vector, then.*vector);
+    }
+    for (float Record::*number :
+         {&Record::radius, &Record::missed_r, &Record::missed_g, &Record::missed_b}) {
+        mix(now.*number, then.*number);
+    }
+}
+
+}  // namespace
+
+float changeOf(const GatheredRecord& found) {
+    return found.later ? changeTo(found, found.later->irradiance, found.later->sh) : 0.0f;
 }
 
 int lifespanOf(const GatheredRecord& found, const TemporalParams& params) {
@@ -76,25 +117,61 @@ int lifespanOf(const GatheredRecord& found, const TemporalParams& params) {
 }
 
 void beginLives(RecordField& field, size_t first, const TemporalParams& params, bool spread) {
+    // What differs at both ends of a line by chance should take its time.
+    const int shortest =
+        params.gradients == TemporalGradients::kInterpolated ? (params.longest + 1) / 2 : 1;
+    const auto range = static_cast<uint32_t>(params.longest - shortest + 1);
     for (size_t i = first; i < field.records.size(); ++i) {
         GatheredRecord& found = field.records[i];
-        found.age = 0;
-        found.lifespan = lifespanOf(found, params);
+        beginLife(found, params);
         if (spread) {
             const vec3& p = found.record.position;
             uint32_t hash = 0;
             for (int c = 0; c < 3; ++c) {
                 hash = pcgHash(hash ^ glm::floatBitsToUint(p[c]));
             }
-            found.lifespan = std::min(
-                found.lifespan, 1 + static_cast<int>(hash % static_cast<uint32_t>(params.longest)));
+            found.lifespan = std::min(found.lifespan, shortest + static_cast<int>(hash % range));
         }
     }
 }
 
+void endLife(const GatheredRecord& found, const GatheredRecord& next, float change,
+             const TemporalParams& params) {
+    if (!found.life) {
+        return;
+    }
+    Life& life = *found.life;
+    if (life.first.sh.size() == next.sh.size()) {
+        const float gathered = changeTo(life.first, next.record.irradiance, next.sh);
+        life.jumps = std::min(change, gathered) > kJump * params.accuracy;
+        life.frames = found.age;
+        life.next = saidBy(next);
+        life.next->contrasts = {};
+    }
+}
+
+GatheredRecord recordAt(const Life& life, int age) {
+    GatheredRecord result = life.first;
+    result.age = age;
+    if (!life.next || life.jumps || age == 0) {
+        return result;
+    }
+    const GatheredRecord& next = *life.next;
+    const float t = static_cast<float>(age) / static_cast<float>(life.frames);
+    const auto mix = [t](auto& now, const auto& then) { now = glm::mix(now, then, t); };
+    mixRecords(result.record, next.record, mix);
+    for (size_t k = 0; k < result.sh.size(); ++k) {
+        mix(result.sh[k], next.sh[k]);
+    }
+    mix(result.curvature, next.curvature);
+    mix(result.lobe_light, next.lobe_light);
+    mix(result.lobe_texels, next.lobe_texels);
+    return result;
+}
+
 void growOlder(GatheredRecord& found, const TemporalParams& params) {
     ++found.age;
-    if (!found.later || !params.extrapolate) {
+    if (!found.later || params.gradients == TemporalGradients::kNone) {
         return;
     }
     // `later` stays one frame ahead.
@@ -111,14 +188,15 @@ void growOlder(GatheredRecord& found, const TemporalParams& params) {
 
 size_t renew(const Scene& scene, const Receivers& receivers, const PlacementParams& placement,
              const Ageing& ageing, Gatherer& gatherer, RecordField& field) {
-    const std::vector<uint8_t> wrong = outdated(field, ageing.params, gatherer);
+    const TemporalParams& params = ageing.params;
+    const std::vector<float> changes = changesOf(field, params, gatherer);
     std::vector<size_t> ended;
     std::vector<RecordSite> sites;
     for (size_t k = 0; k < field.records.size(); ++k) {
         const GatheredRecord& found = field.records[k];
         const auto i = static_cast<size_t>(field.pixels[k]);
         const bool moved = moves(ageing, receivers.triangles[i]);
-        if (!moved && found.age < found.lifespan && wrong[k] == 0) {
+        if (!moved && found.age < found.lifespan && changes[k] <= params.accuracy) {
             continue;
         }
         RecordSite site = siteAt(scene, receivers, i);
@@ -143,10 +221,11 @@ size_t renew(const Scene& scene, const Receivers& receivers, const PlacementPara
         std::vector<GatheredRecord> gathered =
             gatherer.gather(std::span(sites).subspan(first, count));
         for (size_t n = 0; n < count; ++n) {
-            GatheredRecord& found = field.records[ended[first + n]];
+            const size_t k = ended[first + n];
+            GatheredRecord& found = field.records[k];
+            endLife(found, gathered[n], changes[k], params);
             found = std::move(gathered[n]);
-            found.age = 0;
-            found.lifespan = lifespanOf(found, ageing.params);
+            beginLife(found, params);
         }
     }
     return ended.size();

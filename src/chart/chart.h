@@ -3,12 +3,14 @@
 // measured is kept in the chart's folder, so that an interrupted chart continues where it was.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "chart/measurement.h"
 #include "chart/methods.h"
+#include "chart/sequences.h"
 #include "metrics/compare.h"
 #include "scene/environment.h"
 
@@ -71,6 +73,7 @@ struct Chart {
     int repeats = 0;
     std::vector<SweepMethod> methods;
     std::vector<ChartScene> scenes;
+    std::optional<Sequences> sequences = {};  ///< measured before, elsewhere
 };
 
 /// Renders references and runs of points that the folder does not hold yet, then judges all points.

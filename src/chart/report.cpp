@@ -111,6 +111,19 @@ Json sceneJson(const ChartScene& scene) {
     return json;
 }
 
+Json sequencesJson(const Sequences& sequences) {
+    Json json = {{"measured", sequences.measured}, {"points", Json::array()}};
+    for (const SequencePoint& point : sequences.points) {
+        json["points"].push_back({{"scene", point.scene},
+                                  {"method", point.method},
+                                  {"error", point.error},
+                                  {"flicker", point.flicker},
+                                  {"resolution", point.resolution},
+                                  {"seconds", point.seconds}});
+    }
+    return json;
+}
+
 Json figures(const Chart& chart) {
     Json json = {{"program", "sheen " + chart.host.version},
                  {"build", chart.host.build},
@@ -128,6 +141,7 @@ Json figures(const Chart& chart) {
     for (const ChartScene& scene : chart.scenes) {
         json["scenes"].push_back(sceneJson(scene));
     }
+    json["sequences"] = chart.sequences ? sequencesJson(*chart.sequences) : Json();
     return json;
 }
 

@@ -197,6 +197,26 @@ function drawTable() {
   });
 }
 
+// Methods on scenes that move; none where the chart was made without.
+function makeSequences() {
+  if (!data.sequences) return;
+  $('sequences').hidden = false;
+  $('sequences-measured').textContent = data.sequences.measured;
+  const head = element('tr');
+  head.append(element('th', 'scene', 'text'), element('th', 'method', 'text'), element('th', 'error'),
+              element('th', 'flicker'), element('th', 'time a frame'));
+  $('sequences-table').querySelector('thead').append(head);
+  $('sequences-table').querySelector('tbody').append(...data.sequences.points.map(point => {
+    const line = element('tr');
+    const hidden = point.flicker < point.resolution;
+    line.append(element('td', point.scene, 'text'), element('td', point.method, 'text'),
+                element('td', percent(point.error)),
+                element('td', hidden ? `< ${percent(point.resolution)}` : percent(point.flicker)),
+                element('td', seconds(point.seconds)));
+    return line;
+  }));
+}
+
 function draw() {
   $('error-meaning').textContent = MEANINGS[state.error];
   drawPanels();
@@ -213,6 +233,7 @@ writeCaption();
 writeLegend();
 data.scenes.forEach(makePanel);
 makeTable();
+makeSequences();
 state.right = bestPoint(data.scenes[0]);
 draw();
 moveDivider();

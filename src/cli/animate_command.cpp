@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -16,6 +17,11 @@ namespace sheen::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+const std::map<std::string, TemporalGradients> kGradients = {
+    {"extrapolated", TemporalGradients::kExtrapolated},
+    {"interpolated", TemporalGradients::kInterpolated},
+    {"none", TemporalGradients::kNone}};
 
 struct AnimateOptions {
     RenderOptions render;
@@ -79,7 +85,13 @@ std::optional<TemporalParams> temporalOf(const AnimateOptions& o, const Ranks& r
     }
     TemporalParams temporal = o.temporal;
     temporal.longest = o.lifespan;
-    temporal.extrapolate = o.gradients == "extrapolated";
+    temporal.gradients = kGradients.at(o.gradients);
+    if (temporal.gradients == TemporalGradients::kInterpolated &&
+        (params.target_error > 0.0 || params.time_limit > 0.0)) {
+        throwUsage(
+            "--temporal-gradients interpolated: gathers records before it makes images, whose "
+            "error or time it cannot know then; leave out --target-error and --time-limit");
+    }
     return temporal;
 }
 
@@ -191,7 +203,8 @@ ExitCode runAnimate(AnimateOptions& o, Ranks& ranks) {
     const FrameRange frames = rangeOf(o, scene);
     const SequenceKey key = keyOf(*o.app, scene.scene());
     const std::string job = jobText(key, output.frames.names(0));
-    const SequenceParams params{.part = o.render.part, .fps = o.fps, .temporal = temporal};
+    const SequenceParams params{
+        .part = o.render.part, .fps = o.fps, .temporal = temporal, .last = frames.last};
     o.render.params.quiet = true;
     if (!ranks.first()) {
         FrameMaker(o.render, output.frames, scene, params, {.key = key}).serve(ranks, job);
@@ -245,8 +258,10 @@ Command addAnimate(CLI::App& program, Ranks& ranks) {
             ->capture_default_str(),
         app->add_option("--temporal-gradients", options->gradients,
                         "What a record says while it lives: goes on changing as foreseen "
-                        "(extrapolated), or stays (none)")
-            ->check(CLI::IsMember({"extrapolated", "none"}))
+                        "(extrapolated), changes evenly to what is found at its end, for which "
+                        "records are gathered frames ahead of images (interpolated), or stays "
+                        "(none)")
+            ->check(CLI::IsMember({"extrapolated", "interpolated", "none"}))
             ->capture_default_str()};
     app->add_option("--animation", options->animation,
                     "Name or number of an animation; default: the file's first")

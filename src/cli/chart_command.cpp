@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "chart/chart.h"
 #include "chart/point_file.h"
@@ -20,6 +21,7 @@ struct ChartOptions {
     std::vector<std::string> methods;
     std::string size = "512x512";
     std::string bounces = "1";
+    std::string sequences;  // a file
     ChartParams params;
 };
 
@@ -100,6 +102,10 @@ ExitCode runChart(const CLI::App& app, ChartOptions& o, Ranks& ranks) {
     o.params.height = size.y;
     o.params.bounces = parseBounces(o.bounces);
     o.params.methods = chooseMethods(o.methods, o.params.bounces);
+    std::optional<Sequences> sequences;
+    if (!o.sequences.empty()) {
+        sequences = readSequences(o.sequences);  // before anything is measured
+    }
     o.params.program = ownProgram();
     o.params.version = SHEEN_VERSION;
     if (ranks.count() > 1) {
@@ -111,7 +117,8 @@ ExitCode runChart(const CLI::App& app, ChartOptions& o, Ranks& ranks) {
         }
         measurePoints(o.params, ranks, job);
     }
-    const Chart chart = measureChart(o.params);  // what is measured is taken from the folder
+    Chart chart = measureChart(o.params);  // what is measured is taken from the folder
+    chart.sequences = std::move(sequences);
     writeReport(o.params.folder, chart);
     printChart(chart, o.params.folder);
     return ExitCode::kDone;
@@ -159,6 +166,11 @@ Command addChart(CLI::App& program, Ranks& ranks) {
                     "more than a minute in all")
         ->check(numberIn(1, 99))
         ->capture_default_str();
+    app->add_option("--sequences", options->sequences,
+                    "Also shows how methods do on scenes that move, as bench/sequences.py --json "
+                    "wrote it to this file")
+        ->type_name("FILE")
+        ->check(fileName());
     addGlOption(*app, p.gl);
     app->add_flag("--any-build", p.any_build,
                   "Also take stored points that another build of the program completed");

@@ -386,10 +386,6 @@ bool tracesPaths(Method method) {
     return method == Method::kReference || method == Method::kDenoised;
 }
 
-bool usesCache(Method method) {
-    return method == Method::kRadiance || method == Method::kIrradiance;
-}
-
 void addRenderOptions(CLI::App& app, RenderOptions& o) {
     o.app = &app;
     addImageOptions(app, o);

@@ -74,6 +74,5 @@ void allowLightmaps(RenderOptions& o);
 void understandFile(RenderOptions& o, const Scene& scene);
 
 bool tracesPaths(Method method);
-bool usesCache(Method method);
 
 }  // namespace sheen::cli

@@ -2,6 +2,7 @@
 // raster (ray_gather.h, raster_gather.h), each a class behind this interface.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -12,6 +13,7 @@
 namespace sheen {
 
 class Motion;
+struct Life;
 
 /// What a gather found at a site, before any clamp of the radius.
 struct GatheredRecord {
@@ -44,6 +46,8 @@ struct GatheredRecord {
     vec3 eye{0.0f};    ///< where they start
     int age = 0;       ///< frames since it was gathered
     int lifespan = 0;  ///< frames
+    /// What will be known of it at its end; none unless temporal gradients are interpolated.
+    std::shared_ptr<Life> life = {};
 };
 
 /// Wall-clock time of a gather.

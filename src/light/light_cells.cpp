@@ -11,8 +11,7 @@
 namespace sheen {
 namespace {
 
-// How long a cell may be, and how many there may be (gridDivisions()).
-constexpr float kLitCellOfSize = 1.0f / 256.0f;
+// How many there may be (gridDivisions()).
 constexpr size_t kMostLightCells = 1 << 22;
 
 // A cell may be larger than what a ray stands for by this factor: neighbouring rays then see one
@@ -94,9 +93,8 @@ struct LightCells::LitTriangle {
 };
 
 LightCells::LightCells(const Tracer& tracer, std::span<const PunctualLight> lights,
-                       const std::vector<Bounds>& near) {
-    const std::vector<uint32_t> n =
-        gridDivisions(tracer.scene(), near, kLitCellOfSize, kMostLightCells);
+                       const std::vector<Bounds>& near, float length) {
+    const std::vector<uint32_t> n = gridDivisions(tracer.scene(), near, length, kMostLightCells);
     const size_t count = n.size();
     std::vector<LitTriangle> lit(count);
     parallelFor(

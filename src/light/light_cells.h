@@ -14,10 +14,15 @@ namespace sheen {
 /// Lambertian. Safe to use from many threads.
 class LightCells {
   public:
+    /// How long a cell may be, over the scene's size: where records are gathered for all of an
+    /// image, and where few are.
+    static constexpr float kLength = 1.0f / 256.0f;
+    static constexpr float kLengthForFew = 1.0f / 64.0f;
+
     /// Of `lights`, which are not kept. `near`: boxes around what is near whoever sees the scene;
     /// what lies in one gets cells as small as if the box were the scene.
     LightCells(const Tracer& tracer, std::span<const PunctualLight> lights,
-               const std::vector<Bounds>& near);
+               const std::vector<Bounds>& near, float length = kLength);
 
     struct Cell {
         /// On a Lambertian surface the light of what reaches all of the cell.

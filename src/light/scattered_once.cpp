@@ -46,9 +46,9 @@ struct ScatteredOnce::Lit {
 };
 
 ScatteredOnce::ScatteredOnce(const Tracer& tracer, const SceneLights* lights,
-                             const std::vector<Bounds>& near)
+                             const std::vector<Bounds>& near, float cell_length)
     : ScatteredOnce(tracer, lights) {
-    cells_.emplace(tracer, each(), near);
+    cells_.emplace(tracer, each(), near, cell_length);
     if (choosing()) {
         sampled_.emplace(tracer, near);
     }

@@ -21,8 +21,9 @@ class ScatteredOnce : public OutgoingLight {
     explicit ScatteredOnce(const Tracer& tracer, const SceneLights* lights = nullptr)
         : OutgoingLight(tracer), lights_(lights), sky_(tracer.scene().environment) {}
     /// Cells are taken for the light on pieces of surface smaller than what a ray stands for.
-    /// `near`: as LightCells has them.
-    ScatteredOnce(const Tracer& tracer, const SceneLights* lights, const std::vector<Bounds>& near);
+    /// `near`, `cell_length`: as LightCells has them.
+    ScatteredOnce(const Tracer& tracer, const SceneLights* lights, const std::vector<Bounds>& near,
+                  float cell_length = LightCells::kLength);
 
     void radiance(const Rays& rays, std::span<const Hit> hits, vec3* radiance) const override;
 

@@ -1,7 +1,11 @@
 // Frames of a scene that moves, one after the other.
 #pragma once
 
+#include <deque>
+#include <limits>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "cache/ageing.h"
 #include "image/crop.h"
@@ -17,11 +21,15 @@ struct SequenceParams {
     /// Records live for some frames: each then depends on those before it. None: each frame is as
     /// if it were rendered alone.
     std::optional<TemporalParams> temporal = {};
+    /// Where temporal gradients are interpolated: no frame after it is looked at.
+    int last = std::numeric_limits<int>::max();
 };
 
 /// Renders a scene at one time after another. What did not change since the frame before is not
 /// made again: where nothing did, the frame; where cameras did, whatever serves all views of a
 /// scene (Session). Where geometry or lights did, all is, but for records that live on.
+/// Where their temporal gradients are interpolated, records are gathered ahead of images, until it
+/// is known what comes after those that the frame has: twice as long as they live, at the most.
 class FrameSequence {
   public:
     /// The scene must outlive it and be moved by no one else.
@@ -42,15 +50,40 @@ class FrameSequence {
         std::vector<vec3> positions;
         std::vector<uvec3> triangles;
     };
-    KeptRecords keptFor(int number, KeptRecords kept);
-    Ageing ageingAt(int number);
+    // A record that lives in a frame.
+    struct Living {
+        std::shared_ptr<const Life> life;
+        int age = 0;
+    };
+    // A frame whose records are gathered, and whose image is not made yet.
+    struct GatheredFrame {
+        int number = 0;
+        SceneChange change = SceneChange::kScene;
+        bool same = false;  // as the one before: nothing was gathered
+        std::vector<Living> records = {};
+        int gather_size = 0;  // of records
+        RenderStats stats = {};
+    };
+    SceneChange moveTo(int number);
+    KeptRecords keptFor(int number, SceneChange change);
+    Ageing ageingAt(int number, SceneChange change);
+    RenderParams paramsAt(int number) const;
+    RenderResult image(int number);
+    const RenderResult& renderAtOnce(int number);
+    const RenderResult& renderGathered(int number);
+    void lookAhead(int number);
+    void gather(int number);
+    bool knowsWhatComes() const;
 
     AnimatedScene& scene_;
     const RenderParams params_;
     const SequenceParams sequence_;
+    int at_ = 0;  // the frame that the scene was moved to last
     std::unique_ptr<Session> session_;
     std::optional<RenderResult> last_;
-    std::optional<Places> places_;  // of the frame before
+    std::optional<Places> places_;  // of the frame whose records were gathered last
+    KeptRecords kept_;              // likewise
+    std::deque<GatheredFrame> ahead_;
     SceneChange change_ = SceneChange::kScene;
 };
 

@@ -53,7 +53,7 @@ void cut(Frame& frame, const Crop& crop) {
 
 }  // namespace
 
-RenderResult renderPart(Session& session, const RenderParams& params, const Crop& crop) {
+RenderParams paramsOfPart(const RenderParams& params, const Crop& crop) {
     const ivec2 whole(params.width, params.height);
     // In this order no sum overflows.
     if (glm::any(glm::lessThan(crop.first, ivec2(0))) ||
@@ -70,8 +70,13 @@ RenderResult renderPart(Session& session, const RenderParams& params, const Crop
     part.width = to.x - from.x;
     part.height = to.y - from.y;
     part.window = {.first = from, .whole = whole};
+    return part;
+}
+
+RenderResult renderPart(Session& session, const RenderParams& params, const Crop& crop) {
+    const RenderParams part = paramsOfPart(params, crop);
     RenderResult result = session.render(part);
-    cut(result.frame, {.first = crop.first - from, .size = crop.size});
+    cut(result.frame, {.first = crop.first - part.window.first, .size = crop.size});
     return result;
 }
 

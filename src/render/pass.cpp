@@ -65,9 +65,9 @@ std::unique_ptr<Gatherer> makeGatherer(SceneState& state, const ViewState& view,
                                        const HemisphereParams& hemisphere) {
     switch (state.road) {
         case GatherRoad::kRays:
-            return gatherByAll(std::make_unique<RayGatherer>(*view.outgoing, hemisphere,
-                                                             view.recordsLackCaustics()),
-                               state.job, [&] { return toldOf(state, view, hemisphere); });
+            return gatherByAll(
+                std::make_unique<RayGatherer>(*view.outgoing, hemisphere, view.caustics_apart),
+                state.job, [&] { return toldOf(state, view, hemisphere); });
         case GatherRoad::kRaster:
             return std::make_unique<RasterGatherer>(state.pool, state.gpu, hemisphere);
     }
@@ -126,10 +126,9 @@ ErrorEstimate judge(const SceneState& state, const RenderParams& params, const V
     if (state.road != GatherRoad::kRays) {
         seen.size = gatherSize(GatherRoad::kRays, params.placement.accuracy);
     }
-    const bool without_caustics = !view.caustic.empty();
     SpecularParams specular = params.specular;
-    specular.caustics_apart = without_caustics;
-    RayGatherer gatherer(*view.outgoing, seen, without_caustics);
+    specular.caustics_apart = view.caustics_apart;
+    RayGatherer gatherer(*view.outgoing, seen, view.caustics_apart);
     gatherProbes(state.scene, view.receivers, view.field, gatherer, *view.outgoing, specular,
                  probes);
     return estimateError(errors, probes, view.receivers, indirect);
@@ -256,6 +255,17 @@ void renderLightmaps(const RenderParams& params, const Scene& scene, const ViewS
     result.stats.nonfinite_pixels = counts.nonfinite;
     result.stats.negative_pixels = counts.negative;
     seconds.compose += compose_timer.seconds();
+}
+
+void gatherPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
+                RenderStats& stats) {
+    const PlacementParams how = placementOf(params, pass.accuracy);
+    const HemisphereParams hemisphere = hemisphereOf(params.gather, state.road, pass.accuracy);
+    prepareField(view, how, hemisphere.size, true);
+    const Placement placement =
+        placeTimed(state, view, how, hemisphere, params.quiet, pass.seconds, stats);
+    stats.records = static_cast<int>(placement.cache.records.size());
+    stats.records_reused = static_cast<int>(view.field.reused);
 }
 
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,

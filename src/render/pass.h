@@ -20,6 +20,10 @@ struct Pass {
 void renderPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
                 RenderResult& result);
 
+/// Places and gathers alone. Errors as renderPass().
+void gatherPass(const RenderParams& params, const Pass& pass, SceneState& state, ViewState& view,
+                RenderStats& stats);
+
 /// The same of light that the scene's lightmaps hold, which must be lightmapped: no records, and no
 /// estimate.
 void renderLightmaps(const RenderParams& params, const Scene& scene, const ViewState& view,

@@ -230,6 +230,10 @@ Camera viewOf(const Scene& scene, const RenderParams& params) {
     return camera;
 }
 
+bool usesCache(Method method) {
+    return method == Method::kRadiance || method == Method::kIrradiance;
+}
+
 bool smoothsEdges(Method method, GatherRoad road) {
     switch (method) {
         case Method::kReference:
@@ -250,7 +254,8 @@ bool findsCaustics(Method method, GatherRoad road) {
     return method != Method::kDenoised && method != Method::kLightmap && smoothsEdges(method, road);
 }
 
-Session::Session(const Scene& scene, RankedJob job) : scene_(scene), job_(std::move(job)) {}
+Session::Session(const Scene& scene, RankedJob job, RaysWanted rays)
+    : scene_(scene), job_(std::move(job)), rays_(rays) {}
 Session::~Session() = default;
 
 void Session::keepRecords(KeptRecords records, std::string recipe) {
@@ -271,18 +276,39 @@ KeptRecords* Session::keptFor(const RenderParams& params) {
     return &kept_;
 }
 
-RenderResult Session::renderByState(const RenderParams& params, const Timer& timer,
-                                    KeptRecords* kept) {
+SceneState& Session::stateFor(const RenderParams& params, StageSeconds& seconds) {
     viewOf(scene_, params);  // before anything is made for it
-    StageSeconds seconds;
     if (!state_ || state_->road != params.gather_road || state_->backend != params.gl) {
         state_.reset();  // never two of them in memory
-        state_ = std::make_unique<SceneState>(scene_, params.gather_road, params.gl, seconds);
+        state_ =
+            std::make_unique<SceneState>(scene_, params.gather_road, params.gl, seconds, rays_);
         state_->job = job_;
     }
+    return *state_;
+}
+
+RenderResult Session::renderByState(const RenderParams& params, const Timer& timer,
+                                    KeptRecords* kept) {
+    StageSeconds seconds;
+    SceneState& state = stateFor(params, seconds);
     RenderParams smoothed = params;
     smoothed.specular.pixel_area = params.aa > 1;
-    return renderStateByCache(*state_, seconds, smoothed, timer, kept);
+    return renderStateByCache(state, seconds, smoothed, timer, kept);
+}
+
+RenderStats Session::gather(const RenderParams& params) {
+    SHEEN_CHECK(keeps_ && usesCache(params.method));
+    check(params);
+    const Timer timer;
+    RenderStats stats;
+    SceneState& state = stateFor(params, stats.seconds);
+    {
+        // Whose end hands its records over.
+        ViewState view(state, params, stats.seconds, keptFor(params), ViewFor::kRecords);
+        gatherPass(params, {.accuracy = params.placement.accuracy}, state, view, stats);
+    }
+    stats.seconds.total = timer.seconds();
+    return stats;
 }
 
 RenderResult Session::renderByMethod(const RenderParams& params) {
@@ -308,20 +334,12 @@ RenderResult Session::renderByMethod(const RenderParams& params) {
         }
         case Method::kRadiance:
         case Method::kIrradiance:
-            if (params.gather_road == GatherRoad::kRaster && !scene_.environment.empty()) {
-                throwUsage(
-                    "--gather: records that are rasterised see no sky; use --gather ray, or "
-                    "--environment none");
-            }
-            if (params.gather_road == GatherRoad::kRaster && params.bounces != 1) {
-                throwUsage("--bounces: records that are rasterised have 1; use --gather ray");
-            }
             return renderByState(params, timer, keptFor(params));
     }
     throw std::logic_error("unknown method");
 }
 
-RenderResult Session::render(const RenderParams& params) {
+void Session::check(const RenderParams& params) const {
     if (params.aa > 1 && !smoothsEdges(params.method, params.gather_road)) {
         throwUsage(
             "--aa {}: only radiance and irradiance by rays, and reference, see more of a pixel "
@@ -340,7 +358,21 @@ RenderResult Session::render(const RenderParams& params) {
                        : "--method lightmap: the scene has no lightmaps (MOZ_lightmap) for all "
                          "its surfaces, or is loaded without them; sheen bake makes some");
     }
+    if (usesCache(params.method) && params.gather_road == GatherRoad::kRaster) {
+        if (!scene_.environment.empty()) {
+            throwUsage(
+                "--gather: records that are rasterised see no sky; use --gather ray, or "
+                "--environment none");
+        }
+        if (params.bounces != 1) {
+            throwUsage("--bounces: records that are rasterised have 1; use --gather ray");
+        }
+    }
     checkRenderMemory(scene_, params);
+}
+
+RenderResult Session::render(const RenderParams& params) {
+    check(params);
     RenderResult result = renderByMethod(params);
     result.frame.shows_sky = scene_.environment.shows();
     // Users know the file's coordinates alone.

@@ -146,6 +146,9 @@ struct RenderResult {
 
 /// What the program takes for RenderParams::aa, unless told otherwise, where the method has it.
 constexpr int kSmoothEdges = 16;
+/// Whether the method has records.
+bool usesCache(Method method);
+
 /// Whether the method heeds RenderParams::aa.
 bool smoothsEdges(Method method, GatherRoad road);
 
@@ -163,17 +166,25 @@ std::string recordRecipe(const RenderParams& params);
 
 struct SceneState;
 
+/// How many rays the records of a frame will take: for few, what is made of the scene to serve them
+/// is coarser.
+enum class RaysWanted { kMany, kFew };
+
 /// Renders frames of a scene, which must outlive it. What is made of the scene for the methods that
 /// cache is made once, when a frame first needs it, and serves all frames of the same road.
 class Session {
   public:
     /// `job`: whose ranks gather (shared_frame.h), this one being the first.
-    explicit Session(const Scene& scene, RankedJob job = {});
+    explicit Session(const Scene& scene, RankedJob job = {}, RaysWanted rays = RaysWanted::kMany);
     ~Session();
 
     /// Renders one frame. Usage error where the method does not support an option or the camera
     /// does not exist; environment error without an OpenGL 4.5 context.
     RenderResult render(const RenderParams& params);
+
+    /// Of render(), what comes before the image: records of the frame, which are then the latest
+    /// of records(). For methods of records, after keepRecords(); one pass. Errors likewise.
+    RenderStats gather(const RenderParams& params);
 
     /// From now on a frame begins with those records of former ones that it sees, as far as they
     /// were gathered by the same options (recordRecipe()): only what is missing is gathered, and
@@ -186,11 +197,14 @@ class Session {
 
   private:
     RenderResult renderByMethod(const RenderParams& params);
+    void check(const RenderParams& params) const;
+    SceneState& stateFor(const RenderParams& params, StageSeconds& seconds);
     RenderResult renderByState(const RenderParams& params, const Timer& timer, KeptRecords* kept);
     KeptRecords* keptFor(const RenderParams& params);
 
     const Scene& scene_;
     const RankedJob job_;
+    const RaysWanted rays_;
     std::unique_ptr<SceneState> state_;
     bool keeps_ = false;
     std::string recipe_;  // of what is kept

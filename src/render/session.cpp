@@ -89,10 +89,11 @@ Image<vec3> lightOfCoats(const OutgoingLight& light, const std::optional<Receive
 }  // namespace
 
 SceneState::SceneState(const Scene& scene_, GatherRoad road_, gl::Backend backend_,
-                       StageSeconds& seconds)
+                       StageSeconds& seconds, RaysWanted rays_)
     : scene(scene_),
       road(road_),
       backend(backend_),
+      rays(rays_),
       specular(anySpecular(scene)),
       // Only the raster gather draws with more than one context.
       pool(road == GatherRoad::kRays ? 1 : threadCount(), threadCount(), backend_),
@@ -131,7 +132,8 @@ void SceneState::prepareFor(const std::vector<Bounds>& boxes, StageSeconds& seco
     }
     const StageTimer timer(seconds.gather);
     // The raster road gathers what lamps send, as light of surfaces.
-    outgoing.emplace(tracer, road == GatherRoad::kRays ? &*lights : nullptr, near);
+    outgoing.emplace(tracer, road == GatherRoad::kRays ? &*lights : nullptr, near,
+                     rays == RaysWanted::kFew ? LightCells::kLengthForFew : LightCells::kLength);
     if (scene.lightmapped) {
         lightmaps.emplace(*outgoing);
     }
@@ -181,23 +183,26 @@ Receivers directlyLit(SceneState& state, const RenderParams& params, StageSecond
 
 // rays -> G-buffer -> receivers -> rays where the cache cannot follow.
 ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
-                     const ViewState* ground, KeptRecords* kept_)
-    : kept(kept_) {
+                     const ViewState* ground, KeptRecords* kept_, ViewFor use)
+    : caustics_apart(state.keepsCausticsApart(params)), kept(kept_) {
     GBuffer gbuffer = seenBy(state, params, veil, seconds);
     share = std::move(gbuffer.share);
     veils = gbuffer.veils;
     if (veil == 0) {  // what is prepared for the whole scene serves veils too
         state.prepareFor(nearBoxes(state.scene, gbuffer), seconds);
     }
-    lightDirectly(state, gbuffer, seconds);
+    const bool of_image = use == ViewFor::kImage;
+    if (of_image) {
+        lightDirectly(state, gbuffer, seconds);
+    }
     std::optional<Receivers> coats;
-    if (state.road == GatherRoad::kRays && !gbuffer.coat.empty() &&
+    if (of_image && state.road == GatherRoad::kRays && !gbuffer.coat.empty() &&
         params.method != Method::kIrradiance) {
         coats = coatsOf(state.scene, gbuffer);
     }
     receivers = pixelsOf(state, params, std::move(gbuffer), seconds);
     Image<vec3> before;
-    if (params.aa > 1) {
+    if (params.aa > 1 && of_image) {
         const StageTimer timer(seconds.gbuffer);
         edges = findEdges(state.tracer, *state.lights, viewOf(state.scene, params), receivers,
                           {veil, share}, params.sh_order, params.aa);
@@ -214,8 +219,11 @@ ViewState::ViewState(SceneState& state, const RenderParams& params, StageSeconds
         again = state.scatteredAgain(receivers, params, kept != nullptr);
         outgoing = &*again;
     }
+    if (!of_image) {
+        return;
+    }
     SpecularParams by_rays = params.specular;
-    if (state.keepsCausticsApart(params)) {
+    if (caustics_apart) {
         const StageTimer timer(seconds.caustics);
         findCaustics(state, params);
         by_rays.caustics_apart = true;

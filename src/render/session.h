@@ -23,6 +23,7 @@ struct SceneState {
     const Scene& scene;
     const GatherRoad road;
     const gl::Backend backend;
+    const RaysWanted rays;
     RankedJob job = {};  // whose ranks gather
     bool specular;       // some surface is
     gl::WorkerPool pool;
@@ -39,7 +40,8 @@ struct SceneState {
     double again_lacking = 0.0;  ///< near what share of where it was looked for nothing is
 
     /// Adds up what it took to `seconds`. Environment error without an OpenGL 4.5 context.
-    SceneState(const Scene& scene, GatherRoad road, gl::Backend backend, StageSeconds& seconds);
+    SceneState(const Scene& scene, GatherRoad road, gl::Backend backend, StageSeconds& seconds,
+               RaysWanted rays = RaysWanted::kMany);
     ~SceneState();
     /// Whether its caustics are a layer of their own.
     bool keepsCausticsApart(const RenderParams& params) const;
@@ -54,6 +56,9 @@ struct SceneState {
                                                          const RenderParams& params, bool reuse);
 };
 
+/// What a view is made for: its image, or its records alone, which take less of it.
+enum class ViewFor { kImage, kRecords };
+
 /// Made of a camera once: its pixels as receivers, what of their light records are not asked for,
 /// and the records gathered so far.
 struct ViewState {
@@ -62,6 +67,7 @@ struct ViewState {
     Receivers receivers;
     Image<SpecularSeen> specular;  // by rays of the pixels' own; empty where none needs them
     Image<vec3> of_coats;          // indirect light that clear coats add; empty: none
+    bool caustics_apart = false;   // records know nothing of them
     Image<vec3> caustic;           // of pixels, edges smoothed; empty where there are none
     size_t caustic_photons = 0;
     std::optional<Edges> edges;          // none where only the pixels' middles count
@@ -74,16 +80,13 @@ struct ViewState {
     /// Of what the camera sees behind all blended surfaces; what is `kept`, unless null, must
     /// outlive it. Usage error where the camera does not exist.
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds,
-              KeptRecords* kept)
-        : ViewState(state, params, seconds, 0, nullptr, kept) {}
+              KeptRecords* kept, ViewFor use = ViewFor::kImage)
+        : ViewState(state, params, seconds, 0, nullptr, kept, use) {}
     /// Of the so manieth of these, from 1 on. `ground`, of what is behind them, must outlive it:
     /// rays see the same.
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
               const ViewState& ground)
-        : ViewState(state, params, seconds, veil, &ground, nullptr) {}
-    /// Whether its records know nothing of caustics, which are a layer of their own.
-    bool recordsLackCaustics() const { return !caustic.empty(); }
-
+        : ViewState(state, params, seconds, veil, &ground, nullptr, ViewFor::kImage) {}
     /// Its records are kept for other views.
     ~ViewState();
     ViewState(const ViewState&) = delete;
@@ -91,7 +94,7 @@ struct ViewState {
 
   private:
     ViewState(SceneState& state, const RenderParams& params, StageSeconds& seconds, int veil,
-              const ViewState* ground, KeptRecords* kept);
+              const ViewState* ground, KeptRecords* kept, ViewFor use);
     void findCaustics(const SceneState& state, const RenderParams& params);
 };
 

@@ -75,7 +75,7 @@ std::string toldOf(const SceneState& state, const ViewState& view,
                    const HemisphereParams& hemisphere) {
     ByteWriter out;
     out.put(hemisphere);
-    out.put(view.recordsLackCaustics());
+    out.put(view.caustics_apart);
     out.put(lightOf(state, view));
     return out.bytes();
 }
