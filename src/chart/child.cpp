@@ -58,13 +58,14 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
     return list;
 }
 
-// This process's variables, `added` in place of those of the same name.
+// This process's variables, `added` in place of those of the same name. Those by which mpirun makes
+// a process a rank are left out: a child is none.
 std::vector<std::string> environmentWith(const std::vector<std::string>& added) {
     std::vector<std::string> all = added;
     for (char** variable = environ; *variable != nullptr; ++variable) {
         const std::string text = *variable;
         const std::string name = text.substr(0, text.find('=') + 1);
-        bool replaced = false;
+        bool replaced = name.starts_with("OMPI_") || name.starts_with("PMIX_");
         for (const std::string& other : added) {
             replaced = replaced || other.rfind(name, 0) == 0;
         }

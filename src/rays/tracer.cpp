@@ -244,13 +244,10 @@ Sight Tracer::seeAlone(const vec3& origin, const vec3& direction,
         };
         Passage passage{.direction = look.direction, .outside = look.direction};
         SurfacePoint at{};
-        if (bendsRays(material, look.lobe.has_value())) {
+        // Caught for longer, as in a rim, light comes from somewhere: straight on.
+        if (look.bends < Sight::kMostBends && bendsRays(material, look.lobe.has_value())) {
             at = surfacePoint(scene_, hit.triangle, hit.u, hit.v, -look.direction, hit.distance);
             passage = passageAt(scene_, at, hit.back, look.lobe);
-            if (look.bends == Sight::kMostBends) {
-                ground.share = look.passing * look.absorption.passing(hit.distance);
-                return sight;
-            }
             if (passage.reflected) {
                 look.absorption.cross(material, true, hit.distance);
                 look.bend(at, scene_, passage);

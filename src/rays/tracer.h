@@ -74,7 +74,7 @@ struct Sight {
     /// One before the ground that lets less light pass than shows, or the one after so many, is
     /// taken as that.
     static constexpr int kMostVeils = 8;
-    /// So often it is bent; where it would be once more, the glass is taken as opaque.
+    /// So often it is bent; from there it goes straight on.
     static constexpr int kMostBends = 16;
     struct Part {
         Hit hit;

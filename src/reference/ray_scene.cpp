@@ -277,7 +277,7 @@ RayScene::Turn RayScene::turnAt(const RayHit& hit, const vec3& along,
 
 std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction,
                                 const std::optional<Facets>& facets) const {
-    constexpr int kMostTurns = 64;  // light that is caught longer is lost
+    constexpr int kMostTurns = 64;  // caught for longer, it goes straight on
     std::vector<Seen> seen;
     vec3 share(1.0f);
     float chance = 1.0f;
@@ -286,7 +286,7 @@ std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction,
     vec3 along = direction;
     float from = 0.0f;
     std::optional<Facets> next = facets;
-    for (int turns = 0; turns <= kMostTurns;) {
+    for (int turns = 0;;) {
         const RTCRayHit ray = closest(eye, along, from, kInfinity);
         const RayHit hit = hitOf(ray);
         inside.travelTo(ray.ray.tfar);
@@ -298,7 +298,7 @@ std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction,
         const Material& material = scene_.materials[scene_.materials_of[hit.triangle]];
         const bool behind = fromBehind(hit, along);
         const bool unseen = behind && material.single_sided && !material.refracts();
-        const Turn turn = unseen ? Turn{} : turnAt(hit, along, next);
+        const Turn turn = unseen || turns == kMostTurns ? Turn{} : turnAt(hit, along, next);
         const vec3& absorption = absorptionOf(hit);
         if (behind) {
             inside.leave(absorption);
@@ -332,7 +332,6 @@ std::vector<Seen> RayScene::see(const vec3& origin, const vec3& direction,
             }
         }
     }
-    return seen;
 }
 
 vec3 RayScene::passing(const ShadowRay& shadow) const {
