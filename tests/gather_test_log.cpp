@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <numeric>
 
 #include "core/listener.h"
 #include "gather/gather_log.h"
@@ -42,8 +43,8 @@ class GatherLogTest : public testing::Test {
         std::vector<std::string> warnings = {};
     };
 
-    // Gathers the first so many batches.
-    Run gather(size_t batches, const std::string& key = "job") {
+    // Gathers the first so many batches. `finish`: there is no more to do.
+    Run gather(size_t batches, const std::string& key = "job", bool finish = false) {
         Run run;
         const Listener listener{.progress = {}, .warning = [&](const std::string& warning) {
                                     run.warnings.push_back(warning);
@@ -55,6 +56,9 @@ class GatherLogTest : public testing::Test {
         for (size_t b = 0; b < batches; ++b) {
             run.records +=
                 bytesOf(gatherer->gather(std::span(sites_).subspan(b * kBatchOfLog, kBatchOfLog)));
+        }
+        if (finish) {
+            log.remove();
         }
         return run;
     }
@@ -81,15 +85,22 @@ TEST_F(GatherLogTest, GoesOnWhereItStopped) {
     const Run rest = gather(3);
     EXPECT_EQ(rest.gathered, kBatchOfLog);
     EXPECT_TRUE(rest.records == whole.records);
-    EXPECT_EQ(gather(3).gathered, 0u);
+    EXPECT_EQ(gather(3, "job", true).gathered, 0u);
+    EXPECT_FALSE(std::filesystem::exists(path_));
 }
 
 // A killed process leaves a part of an entry, a failing disk anything.
 TEST_F(GatherLogTest, TakesWhatIsWholeAndNothingElse) {
     const Run whole = gather(3);
     const std::string text = this->text();
-    const size_t step = text.size() / 37;
-    for (size_t size = 0; size < text.size(); size += step) {
+    // Of the first entry's numbers, which follow the head, each byte; of all else some.
+    constexpr size_t kHead = 25, kNumbers = 24;
+    std::vector<size_t> places(kNumbers);
+    std::iota(places.begin(), places.end(), kHead);
+    for (size_t place = 0; place < text.size(); place += text.size() / 37) {
+        places.push_back(place);
+    }
+    for (const size_t size : places) {
         write(text.substr(0, size));
         const Run cut = gather(3);
         EXPECT_TRUE(cut.records == whole.records) << "cut to " << size << " bytes";
@@ -98,7 +109,7 @@ TEST_F(GatherLogTest, TakesWhatIsWholeAndNothingElse) {
         changed[size] = static_cast<char>(changed[size] ^ 0x10);
         write(changed);
         EXPECT_TRUE(gather(3).records == whole.records) << "byte " << size << " changed";
-        EXPECT_TRUE(this->text() == text || size == 0) << "it is whole again";
+        EXPECT_TRUE(this->text() == text || size == 0) << "byte " << size << ": whole again";
     }
 }
 
@@ -113,19 +124,20 @@ TEST_F(GatherLogTest, AnotherJobBeginsAnew) {
 
 TEST_F(GatherLogTest, LeavesFilesOfOtherKindsAlone) {
     write("dear diary");
-    const Run run = gather(3);
+    const Run run = gather(3, "job", true);
     EXPECT_EQ(run.gathered, 3 * kBatchOfLog);
     ASSERT_EQ(run.warnings.size(), 1u);
-    EXPECT_NE(run.warnings[0].find("is left as it is"), std::string::npos) << run.warnings[0];
+    EXPECT_NE(run.warnings[0].find("remove or rename it"), std::string::npos) << run.warnings[0];
     EXPECT_EQ(text(), "dear diary");
 }
 
 TEST_F(GatherLogTest, WithoutAFileItGathersAllTheSame) {
     std::filesystem::create_directory(path_);
-    const Run run = gather(3);
+    const Run run = gather(3, "job", true);
     EXPECT_EQ(run.gathered, 3 * kBatchOfLog);
     ASSERT_EQ(run.warnings.size(), 1u);
-    EXPECT_NE(run.warnings[0].find("cannot be written"), std::string::npos) << run.warnings[0];
+    EXPECT_NE(run.warnings[0].find("begin anew"), std::string::npos) << run.warnings[0];
+    EXPECT_TRUE(std::filesystem::is_directory(path_));
 }
 
 }  // namespace

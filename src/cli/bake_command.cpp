@@ -205,7 +205,8 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
         checkOutputs(files, scene.files);
     }
     const Tracer tracer(scene);
-    const RankedJob job{.ranks = &ranks, .text = jobText(keyOf(*o.app, scene), o.outputs.front())};
+    const SequenceKey key = keyOf(*o.app, scene);
+    const RankedJob job{.ranks = &ranks, .text = jobText(key, o.outputs.front())};
     if (!ranks.first()) {
         serveBake(tracer, o.params, job);
         return ExitCode::kDone;
@@ -213,7 +214,7 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
     std::optional<GatherLog> log;
     const auto keep_gathered = [&] {
         if (o.params.method != BakeMethod::kReference) {
-            log.emplace(o.outputs.front() + ".unfinished", fileHash("/proc/self/exe") + job.text);
+            log.emplace(o.outputs.front() + ".unfinished", jobText(key, fileHash(ownProgram())));
             o.params.log = &*log;
         }
     };

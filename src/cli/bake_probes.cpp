@@ -80,6 +80,7 @@ void tellOfProbes(const BakeOptions& o, const HintLattice& lattice, const LightP
                        {"probes", lattice.count()},
                        {"probes_solid", solid},
                        {"accuracy", o.params.accuracy},
+                       {"probes_continued", o.params.log->reused()},
                        {"seconds",
                         {{"total", total},
                          {"load", load},

@@ -25,19 +25,6 @@ struct ChartOptions {
     ChartParams params;
 };
 
-// The program that is running, even where its file was moved since.
-std::string ownProgram() {
-    std::error_code error;
-    const std::filesystem::path path = std::filesystem::read_symlink("/proc/self/exe", error);
-    if (error) {
-        throwEnvironment("/proc/self/exe: cannot find the program to measure: {}", error.message());
-    }
-    // Ranks measure what everyone runs.
-    return path.filename() == "sheen-mpi"
-               ? std::filesystem::path(path).replace_filename("sheen").string()
-               : path.string();
-}
-
 // A unit of work is a point, as numbers of its scene, method and setting. Measures it into the
 // chart's folder.
 std::string measurePoint(const ChartParams& all, const std::string& unit) {

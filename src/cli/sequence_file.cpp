@@ -37,6 +37,17 @@ const char* differenceOf(const SequenceKey& a, const SequenceKey& b) {
 
 }  // namespace
 
+std::string ownProgram() {
+    std::error_code error;
+    const std::filesystem::path path = std::filesystem::read_symlink("/proc/self/exe", error);
+    if (error) {
+        throwEnvironment("/proc/self/exe: cannot find the program: {}", error.message());
+    }
+    return path.filename() == "sheen-mpi"
+               ? std::filesystem::path(path).replace_filename("sheen").string()
+               : path.string();
+}
+
 std::string optionsText(const CLI::App& app) {
     std::string text;
     const CLI::Option* view = app.get_option_no_throw("--view");
@@ -51,7 +62,7 @@ std::string optionsText(const CLI::App& app) {
             continue;
         }
         const bool of_images = name != "SCENE" && name != "--output" && name != "--frames" &&
-                               name != "--threads" && name != "--json";
+                               name != "--threads" && name != "--json" && name != "--quiet";
         if (option->count() > 0 && of_images) {
             text += fmt::format("{}{}={}", text.empty() ? "" : " ", name,
                                 fmt::join(option->results(), ","));

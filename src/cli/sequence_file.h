@@ -18,6 +18,10 @@ struct SequenceKey {
     bool operator==(const SequenceKey&) const = default;
 };
 
+/// The file of the program `sheen` that is running, even where it was moved since; also where this
+/// process is `sheen-mpi`, which does the same.
+std::string ownProgram();
+
 /// What of the options changes results, as they were given.
 std::string optionsText(const CLI::App& app);
 

@@ -4,7 +4,6 @@
 #include <xxhash.h>
 
 #include <filesystem>
-#include <iterator>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -17,11 +16,16 @@
 namespace sheen {
 namespace {
 
-// The file: this and a hash of the key, then entries: hash of the sites, length and hash of the
-// records, records.
+// The file: this and a hash of the key, then entries: hash of the sites, hash of that and the
+// records, length of the records, records.
 constexpr char kMagic[] = "sheen gathered 1\n";
+constexpr size_t kNumbers = 3 * sizeof(uint64_t);
 
 uint64_t hashOf(const std::string& bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+uint64_t hashOf(uint64_t sites, const std::string& records) {
+    return XXH3_64bits_withSeed(records.data(), records.size(), sites);
+}
 
 // By what tells sites apart: other members may have bytes that mean nothing.
 uint64_t hashOf(std::span<const RecordSite> sites) {
@@ -66,66 +70,53 @@ class LoggedGatherer : public Gatherer {
 
 GatherLog::GatherLog(std::string path, const std::string& key) : path_(std::move(path)) {
     const std::string head = headOf(key);
+    try {
+        if (!read(head)) {
+            AtomicFile fresh(path_);
+            fresh.write(head);
+            fresh.commit();
+            whole_ = head.size();
+        }
+        ours_ = true;
+        writeAfterWhole();
+    } catch (const Error& error) {
+        stopWriting(error.what());
+    }
+}
+
+// Whether it is of this job. What of it is whole is left_, from whole_ on.
+bool GatherLog::read(const std::string& head) {
     std::error_code error;
     const auto size = std::filesystem::file_size(path_, error);
-    if (!error && size > 0 && !read(head)) {
-        out_.setstate(std::ios::failbit);
-        warn(
-            fmt::format("{}: is no file of what was gathered, and is left as it is; interrupted, "
-                        "this will begin anew",
-                        path_));
-        return;
-    }
-    try {
-        AtomicFile whole(path_);
-        whole.write(head);
-        for (const Entry& entry : left_) {
-            whole.write(bytesOf(entry));
-        }
-        whole.commit();
-        out_.open(path_, std::ios::binary | std::ios::app);
-    } catch (const Error&) {
-        out_.setstate(std::ios::failbit);
-    }
-    if (!out_) {
-        stopWriting();
-    }
-}
-
-std::string GatherLog::bytesOf(const Entry& entry) {
-    ByteWriter out;
-    out.put(entry.sites);
-    out.put(hashOf(entry.records));
-    out.put(entry.records);
-    return out.bytes();
-}
-
-// Whether it is such a file.
-bool GatherLog::read(const std::string& head) {
-    std::ifstream in(path_, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    if (!bytes.starts_with(kMagic)) {
+    if (error || size == 0) {
         return false;
     }
-    if (!bytes.starts_with(head)) {
+    std::ifstream in(path_, std::ios::binary);
+    std::string begin(head.size(), '\0');
+    in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+    if (!begin.starts_with(kMagic)) {
+        throwEnvironment("{}: is no file of what was gathered; remove or rename it", path_);
+    }
+    if (!in || begin != head) {
         warn(
             fmt::format("{}: is of another scene, other options or another version; it is begun "
                         "anew",
                         path_));
-        return true;
+        return false;
     }
-    constexpr size_t kNumbers = 3 * sizeof(uint64_t);
-    for (size_t at = head.size(); bytes.size() - at >= kNumbers;) {
-        ByteReader numbers(std::string_view(bytes).substr(at, kNumbers));
-        const auto sites = numbers.get<uint64_t>();
-        const auto hash = numbers.get<uint64_t>();
-        const auto length = numbers.get<uint64_t>();
-        at += kNumbers;
-        if (length > bytes.size() - at) {
+    whole_ = head.size();
+    std::string numbers(kNumbers, '\0');
+    for (uint64_t at = whole_; in.read(numbers.data(), kNumbers); at += kNumbers) {
+        ByteReader reader(numbers);
+        const auto sites = reader.get<uint64_t>();
+        const auto hash = reader.get<uint64_t>();
+        const auto length = reader.get<uint64_t>();
+        if (length > size - at - kNumbers) {
             break;
         }
-        std::string records = bytes.substr(at, length);
-        if (hashOf(records) != hash) {
+        std::string records(length, '\0');
+        if (!in.read(records.data(), static_cast<std::streamsize>(length)) ||
+            hashOf(sites, records) != hash) {
             break;
         }
         at += length;
@@ -134,8 +125,22 @@ bool GatherLog::read(const std::string& head) {
     return true;
 }
 
-void GatherLog::stopWriting() {
-    warn(fmt::format("{}: cannot be written; interrupted, this will begin anew", path_));
+// What follows what was taken from the file is dropped, once it is not taken.
+void GatherLog::writeAfterWhole() {
+    uint64_t size = whole_;
+    for (const Entry& entry : left_) {
+        size += kNumbers + entry.records.size();
+    }
+    std::error_code error;
+    std::filesystem::resize_file(path_, size, error);
+    out_.open(path_, std::ios::binary | std::ios::app);
+    if (error || !out_) {
+        throwEnvironment("{}: cannot be written", path_);
+    }
+}
+
+void GatherLog::stopWriting(const std::string& why) {
+    warn(fmt::format("{}; interrupted, this will begin anew", why));
     out_.close();
     out_.setstate(std::ios::failbit);
 }
@@ -146,11 +151,19 @@ std::optional<std::vector<GatheredRecord>> GatherLog::next(std::span<const Recor
     }
     if (left_.front().sites != hashOf(sites)) {
         left_.clear();
+        out_.close();
+        try {
+            writeAfterWhole();
+        } catch (const Error& error) {
+            stopWriting(error.what());
+        }
         return std::nullopt;
     }
-    std::vector<GatheredRecord> records = recordsOf(left_.front().records);
-    SHEEN_CHECK_EQ(records.size(), sites.size());
+    const Entry entry = std::move(left_.front());
     left_.pop_front();
+    std::vector<GatheredRecord> records = recordsOf(entry.records);
+    SHEEN_CHECK_EQ(records.size(), sites.size());
+    whole_ += kNumbers + entry.records.size();
     reused_ += records.size();
     return records;
 }
@@ -159,15 +172,23 @@ void GatherLog::add(std::span<const RecordSite> sites, std::span<const GatheredR
     if (!out_) {
         return;
     }
-    if (!(out_ << bytesOf(Entry{hashOf(sites), sheen::bytesOf(records)}) << std::flush)) {
-        stopWriting();
+    const uint64_t of_sites = hashOf(sites);
+    const std::string found = bytesOf(records);
+    ByteWriter bytes;
+    bytes.put(of_sites);
+    bytes.put(hashOf(of_sites, found));
+    bytes.put(found);
+    if (!(out_ << bytes.bytes() << std::flush)) {
+        stopWriting(fmt::format("{}: cannot be written", path_));
     }
 }
 
 void GatherLog::remove() {
     out_.close();
-    std::error_code error;
-    std::filesystem::remove(path_, error);
+    if (ours_) {
+        std::error_code error;
+        std::filesystem::remove(path_, error);
+    }
 }
 
 std::unique_ptr<Gatherer> gatherByLog(std::unique_ptr<Gatherer> own, GatherLog& log) {

@@ -34,13 +34,15 @@ class GatherLog {
         uint64_t sites;  // a hash of them
         std::string records;
     };
-    static std::string bytesOf(const Entry& entry);
     bool read(const std::string& head);
-    void stopWriting();
+    void writeAfterWhole();
+    void stopWriting(const std::string& why);
 
     const std::string path_;
     std::deque<Entry> left_;
     std::ofstream out_;
+    uint64_t whole_ = 0;  // of the file: bytes before what is left
+    bool ours_ = false;   // the file
     size_t reused_ = 0;
 };
 

@@ -200,8 +200,10 @@ bool MpiRanks::handOut(const std::string& job, Sharing& sharing) {
 
 void MpiRanks::tell(std::string what) {
     SHEEN_CHECK(first());
-    told_ = std::move(what);
-    ++tellings_;
+    if (tellings_ == 0 || what != told_) {
+        told_ = std::move(what);
+        ++tellings_;
+    }
 }
 
 void MpiRanks::share(const std::string& job, std::span<const std::string> units, const DoUnit& work,

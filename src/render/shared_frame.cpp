@@ -83,6 +83,11 @@ std::string toldOf(const SceneState& state, const ViewState& view,
 void checkShared(const RenderParams& params) {
     const bool by_records =
         params.method == Method::kRadiance || params.method == Method::kIrradiance;
+    if (params.method == Method::kLightmap) {
+        throwUsage(
+            "--method lightmap, by which a file with lightmaps is shown, is not shared out over "
+            "ranks; choose radiance, or run it without mpirun");
+    }
     if (!by_records || params.gather_road != GatherRoad::kRays) {
         throwUsage(
             "{}: only records that are gathered by rays are shared out over ranks; run it without "
