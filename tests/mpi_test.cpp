@@ -32,8 +32,9 @@ class MpiAnimate : public CliAnimate {
     }
 
     // `programs`: of mpirun, "-n 2 PROGRAM ARGUMENT... : -n 1 ...".
+    // mpirun itself may wait for ever where a rank was killed at a bad moment.
     Outcome mpirun(const std::string& programs) const {
-        return callShell(fmt::format("{} {}", SHEEN_MPIRUN, programs));
+        return callShell(fmt::format("timeout -s KILL 120 {} {}", SHEEN_MPIRUN, programs));
     }
     Outcome onRanks(int count, const std::string& arguments) const {
         return mpirun(fmt::format("-n {} {} {}", count, SHEEN_PROGRAM, arguments));
