@@ -7,9 +7,12 @@
 namespace sheen {
 namespace {
 
-// Calls visit(member) for all that ranks tell each other of a site, or of what was found there.
-template <class Site, class Visit>
-void forMembersOfSite(Site& site, const Visit& visit) {
+template <class T, class Kind>
+concept Is = std::is_same_v<std::remove_const_t<T>, Kind>;
+
+// Calls visit(member) for all that is told of a site, or of what was found there.
+template <Is<RecordSite> Site, class Visit>
+void forMembers(Site& site, const Visit& visit) {
     visit(site.position);
     visit(site.normal);
     visit(site.geometric_normal);
@@ -23,8 +26,8 @@ void forMembersOfSite(Site& site, const Visit& visit) {
     visit(site.first);
 }
 
-template <class Found, class Visit>
-void forMembersOfRecord(Found& found, const Visit& visit) {
+template <Is<GatheredRecord> Found, class Visit>
+void forMembers(Found& found, const Visit& visit) {
     SHEEN_CHECK(!found.later && found.witnesses.empty());
     visit(found.record);
     visit(found.toward_viewer);
@@ -36,46 +39,34 @@ void forMembersOfRecord(Found& found, const Visit& visit) {
     visit(found.eye);
 }
 
-auto writerTo(ByteWriter& out) {
-    return [&out](const auto& member) { out.put(member); };
+template <class T>
+std::string write(std::span<const T> values) {
+    ByteWriter out;
+    for (const T& value : values) {
+        forMembers(value, [&out](const auto& member) { out.put(member); });
+    }
+    return out.bytes();
 }
 
-auto readerFrom(ByteReader& in) {
-    return [&in](auto& member) { member = in.get<std::remove_reference_t<decltype(member)>>(); };
+template <class T>
+std::vector<T> read(const std::string& bytes) {
+    std::vector<T> values;
+    for (ByteReader in(bytes); !in.atEnd();) {
+        forMembers(values.emplace_back(), [&in](auto& member) {
+            member = in.get<std::remove_reference_t<decltype(member)>>();
+        });
+    }
+    return values;
 }
 
 }  // namespace
 
-std::string bytesOf(std::span<const RecordSite> sites) {
-    ByteWriter out;
-    for (const RecordSite& site : sites) {
-        forMembersOfSite(site, writerTo(out));
-    }
-    return out.bytes();
-}
+std::string bytesOf(std::span<const RecordSite> sites) { return write(sites); }
+std::vector<RecordSite> sitesOf(const std::string& bytes) { return read<RecordSite>(bytes); }
 
-std::vector<RecordSite> sitesOf(const std::string& bytes) {
-    std::vector<RecordSite> sites;
-    for (ByteReader in(bytes); !in.atEnd();) {
-        forMembersOfSite(sites.emplace_back(), readerFrom(in));
-    }
-    return sites;
-}
-
-std::string bytesOf(std::span<const GatheredRecord> records) {
-    ByteWriter out;
-    for (const GatheredRecord& record : records) {
-        forMembersOfRecord(record, writerTo(out));
-    }
-    return out.bytes();
-}
-
+std::string bytesOf(std::span<const GatheredRecord> records) { return write(records); }
 std::vector<GatheredRecord> recordsOf(const std::string& bytes) {
-    std::vector<GatheredRecord> records;
-    for (ByteReader in(bytes); !in.atEnd();) {
-        forMembersOfRecord(records.emplace_back(), readerFrom(in));
-    }
-    return records;
+    return read<GatheredRecord>(bytes);
 }
 
 }  // namespace sheen

@@ -22,9 +22,8 @@ constexpr int kRounds = 4;
 constexpr float kDifference = 1.2f;
 // Those of fewer photons say nothing sure of themselves.
 constexpr size_t kFewest = 8;
-// A node has a side: photons turned by more than this cosine lie on another. Where these are more
-// than this share, it is opened.
-constexpr float kSide = 0.7f;
+// A node has a side: where more than this share of its photons lie on another surface, it is
+// opened.
 constexpr float kMixed = 0.2f;
 
 }  // namespace
@@ -80,7 +79,7 @@ Sums sumsOf(std::span<const Photon> photons) {
     const vec3& n_g = photons[sums.center].n_g;
     size_t turned = 0;
     for (const Photon& photon : photons) {
-        if (glm::dot(photon.n_g, n_g) > kSide) {
+        if (glm::dot(photon.n_g, n_g) > kOneSurfaceCosine) {
             sums.density += luminance(photon.power);
         } else {
             ++turned;

@@ -17,9 +17,7 @@ constexpr size_t kLadder = 16;
 constexpr size_t kLeast = 8;
 // Estimates that differ by more standard deviations than this do so for a reason.
 constexpr float kDeviations = 2.5f;
-// Photons on surfaces that are turned by more, or that lie higher over the tangent plane, by these
-// cosines, are of another surface.
-constexpr float kTurned = 0.7f;
+// Photons that lie higher over the tangent plane, by this cosine, are of another surface.
 constexpr float kHigh = 0.3f;
 // Shading normals make at most so much more of light that grazes a triangle.
 constexpr float kMostByNormal = 4.0f;
@@ -46,7 +44,7 @@ WaysAlong::WaysAlong(const Tracer& tracer, const SurfaceSide& point) {
         lengths[s] = hits[s].distance;
         if (hits[s].found()) {
             const vec3 n_g = geometricNormal(tracer.scene(), static_cast<int>(hits[s].triangle));
-            if (glm::dot(hits[s].back ? -n_g : n_g, point.n_g) > kTurned) {
+            if (glm::dot(hits[s].back ? -n_g : n_g, point.n_g) > kOneSurfaceCosine) {
                 lengths[s] = kInfinity;
             }
         }
@@ -98,7 +96,7 @@ void PhotonMap::find(const SurfaceSide& point, size_t begin, size_t end,
     const Near near{distance2, static_cast<uint32_t>(middle)};
     const bool full = heap.size() == most_ + 1;
     if (distance2 < reach_ * reach_ && (!full || near < heap.front()) &&
-        glm::dot(photon.n_g, point.n_g) > kTurned &&
+        glm::dot(photon.n_g, point.n_g) > kOneSurfaceCosine &&
         std::abs(height) <= kHigh * std::sqrt(distance2) + point.offset) {
         if (full) {
             std::pop_heap(heap.begin(), heap.end());

@@ -22,6 +22,10 @@ struct Photon {
     int scattered;  ///< so often, on the way here
 };
 
+/// Surfaces whose normals differ by more than this cosine are two: photons on one tell nothing of
+/// the other.
+constexpr float kOneSurfaceCosine = 0.7f;
+
 /// Ways along a surface from a point, and how far each leads before a wall stands in it. What faces
 /// as the point does is the surface going on, curved as it may be, and no wall.
 struct WaysAlong {

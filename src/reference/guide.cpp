@@ -5,13 +5,13 @@
 #include <span>
 
 #include "core/error.h"
+#include "reference/sobol.h"
 
 namespace sheen {
 namespace {
 
 // Less gains little where the guide is right and costs much where it missed a light.
 constexpr float kUniformShare = 0.3f;
-constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // Mean over each cell's 3 x 3 neighbourhood: one sample says little of its cell's edges.
 std::vector<float> blur(int size, const std::vector<float>& cells) {

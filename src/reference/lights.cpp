@@ -4,10 +4,11 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "reference/sobol.h"
+
 namespace sheen {
 namespace {
 
-constexpr float kBelowWhole = 0x1.fffffep-1f;
 // A way to a lamp ends this fraction short of it, so that the lamp does not hide itself.
 constexpr float kWayShare = 1.0f - 1e-5f;
 
@@ -42,7 +43,7 @@ size_t pick(const T* shares, size_t count, T u) {
 // Where u lies within what pick() chose.
 template <class T>
 float within(const T* shares, size_t i, T u) {
-    return std::min(static_cast<float>((u - shares[i]) / (shares[i + 1] - shares[i])), kBelowWhole);
+    return std::min(static_cast<float>((u - shares[i]) / (shares[i + 1] - shares[i])), kBelowOne);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/directions.h"
+#include "reference/sobol.h"
 #include "scene/ggx_sampling.h"
 #include "scene/shared.h"
 
@@ -119,7 +120,6 @@ struct DirectionSample {
 /// u in [0, 1)^2.
 inline DirectionSample sampleBrdf(const BrdfSampler& sampler, const shared::Brdf& brdf,
                                   const vec3& n, const vec3& wo, vec2 u) {
-    constexpr float kBelowOne = 0x1.fffffep-1f;
     const float share = sampler.specular_share;
     DirectionSample s;
     if (u.x < sampler.coat_share) {

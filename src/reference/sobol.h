@@ -10,6 +10,9 @@
 
 namespace sheen {
 
+/// The largest number below one.
+constexpr float kBelowOne = 0x1.fffffep-1f;
+
 /// A well-mixed hash of 32 bits. [Wel19, "lowbias32"]
 inline uint32_t hash32(uint32_t x) {
     x ^= x >> 16;

@@ -191,6 +191,10 @@ SplatBuffer splatStrays(SceneState& state, const ViewState& view, const RecordCa
             missed.push_back(i);
         }
     }
+    stats.edge_records = static_cast<int>(missed.size());
+    if (missed.empty()) {
+        return splat;
+    }
     const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
     const RecordCache own = recordsAt(state.scene, strays, missed, how, *gatherer);
     const SplatBuffer by_own = splatCpu(strays, own, how.servingWeight());
@@ -199,7 +203,6 @@ SplatBuffer splatStrays(SceneState& state, const ViewState& view, const RecordCa
         splat.specular.pixels[i] = by_own.specular.pixels[i];
         splat.missed.pixels[i] = by_own.missed.pixels[i];
     }
-    stats.edge_records = static_cast<int>(missed.size());
     return splat;
 }
 
