@@ -28,11 +28,10 @@ void ScatteredAgain::radiance(const Rays& rays, std::span<const Hit> hits, vec3*
             const vec3& lobe) {
             // Of a Lambertian surface what is reflected is kept, textures included; by the side of
             // the triangle alone, not by where it is seen from.
-            const vec3 n_g = geometricNormal(scene(), static_cast<int>(q.hit.triangle));
-            const vec3 side = q.hit.back ? -n_g : n_g;
             const auto find = [&](const vec2& uv) {
-                const auto kept =
-                    kept_->irradiance(elementSiteAt(scene(), q.hit, uv, side), followed);
+                const vec3 n_g = geometricNormal(scene(), static_cast<int>(q.hit.triangle));
+                const auto kept = kept_->irradiance(
+                    elementSiteAt(scene(), q.hit, uv, q.hit.back ? -n_g : n_g), followed);
                 return kept && !q.glossy ? std::optional(*kept * q.albedoAt(scene(), uv)) : kept;
             };
             // Cells keep what is asked for where rays meet a surface first.
