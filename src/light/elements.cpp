@@ -108,10 +108,13 @@ void Elements::enter(uint64_t key, const Link& link) {
 bool Elements::lacks(const ElementSite& site) const {
     bool lacking = true;
     forEachAround(site.side.position, [&](size_t i) {
+        if (!lacking) {
+            return;
+        }
         const Element& e = elements_[i];
         const vec3 d = site.side.position - e.site.side.position;
-        lacking &= glm::dot(d, d) >= e.site.spacing * e.site.spacing ||
-                   e.weight(site.side.position, site.normal) <= 0.0f;
+        lacking = glm::dot(d, d) >= e.site.spacing * e.site.spacing ||
+                  e.weight(site.side.position, site.normal) <= 0.0f;
     });
     return lacking;
 }
@@ -129,7 +132,8 @@ void Elements::index(size_t i) {
     // No voxel is smaller than what floats tell apart there, nor than 18 bits of a key hold.
     const float least =
         std::max(0x1p-16f * maxAbs(site.side.position), std::numeric_limits<float>::min());
-    const int level = std::ilogb(std::max(reach, least));
+    const int log = std::ilogb(std::max(reach, least));
+    const int level = log + (log & 1);  // every other one: fewer to look into
     const float scale = std::ldexp(1.0f, -level);
     const vec3 lower = glm::floor((site.side.position - reach) * scale);
     const vec3 upper = glm::floor((site.side.position + reach) * scale);
