@@ -41,17 +41,24 @@ class IrradianceCells {
     /// good as any other.
     template <class Find>
     std::optional<vec3> at(const Cell& place, const Find& find) const {
-        const uint64_t packed = stateOf(place, find);
+        std::atomic<uint64_t>& cell = cells_[place.cell];
+        uint64_t packed = cell.load(std::memory_order_relaxed);
+        if (packed == kUnknown) {
+            const std::optional<vec3> found = find();
+            packed = found ? pack(*found) : kNothing;
+            cell.store(packed, std::memory_order_relaxed);
+        }
         return (packed & kNoAnswer) != 0 ? std::nullopt : std::optional(unpack(packed));
     }
-    /// The same, and where that is nothing what gather() says: a colour, which must not ask for it
-    /// in turn. What at() says does not depend on whether anybody has gathered.
-    template <class Find, class Gather>
-    vec3 at(const Cell& place, const Find& find, const Gather& gather) const {
-        uint64_t packed = stateOf(place, find);
+    /// What gather(), a colour, says of a cell of which find() said nothing: likewise the same
+    /// whoever asks. What at() says does not depend on whether anybody has.
+    template <class Gather>
+    vec3 gatheredAt(const Cell& place, const Gather& gather) const {
+        std::atomic<uint64_t>& cell = cells_[place.cell];
+        uint64_t packed = cell.load(std::memory_order_relaxed);
         if (packed == kNothing) {
             packed = pack(gather()) | kNoAnswer;
-            cells_[place.cell].store(packed, std::memory_order_relaxed);
+            cell.store(packed, std::memory_order_relaxed);
         }
         return unpack(packed);
     }
@@ -60,7 +67,7 @@ class IrradianceCells {
 
   private:
     static constexpr float kLargestOfRay = 16.0f;
-    // A bit beyond those of three channels: what else there is, find() did not say.
+    // A bit beyond those of three channels: find() did not say what else there is.
     static constexpr uint64_t kNoAnswer = uint64_t{1} << 63u;
     // No numbers.
     static constexpr uint64_t kUnknown = ~uint64_t{0};
@@ -70,17 +77,6 @@ class IrradianceCells {
     static constexpr int kBits = 21;
     static constexpr int kCut = 10;
 
-    template <class Find>
-    uint64_t stateOf(const Cell& place, const Find& find) const {
-        std::atomic<uint64_t>& cell = cells_[place.cell];
-        uint64_t packed = cell.load(std::memory_order_relaxed);
-        if (packed == kUnknown) {
-            const std::optional<vec3> found = find();
-            packed = found ? pack(*found) : kNothing;
-            cell.store(packed, std::memory_order_relaxed);
-        }
-        return packed;
-    }
     static uint64_t pack(const vec3& irradiance) {
         uint64_t packed = 0;
         for (int channel = 0; channel < 3; ++channel) {

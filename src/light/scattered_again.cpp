@@ -26,13 +26,16 @@ void ScatteredAgain::radiance(const Rays& rays, std::span<const Hit> hits, vec3*
             cells_.prefetch(hit);
         }
     }
-    see(rays, hits, radiance, bounces() == kAllBounces ? Lacking::kGathered : Lacking::kFollowed);
+    const Asked asked = see(rays, hits, radiance,
+                            bounces() == kAllBounces ? Lacking::kGathered : Lacking::kFollowed);
+    asked_.fetch_add(asked.all, std::memory_order_relaxed);
+    missed_.fetch_add(asked.missed, std::memory_order_relaxed);
 }
 
-void ScatteredAgain::see(const Rays& rays, std::span<const Hit> hits, vec3* radiance,
-                         Lacking lacking) const {
+ScatteredAgain::Asked ScatteredAgain::see(const Rays& rays, std::span<const Hit> hits,
+                                          vec3* radiance, Lacking lacking) const {
     ways_.once().radiance(rays, hits, radiance);
-    int64_t asked = 0, missed = 0;
+    Asked asked;
     ways_.follow(
         rays, hits, [&](size_t ray, int, const vec3& light) { radiance[ray] += light; },
         [&](size_t ray, int followed, const WaysOn::Point& q, const vec3& weight,
@@ -50,25 +53,21 @@ void ScatteredAgain::see(const Rays& rays, std::span<const Hit> hits, vec3* radi
             };
             const auto find = [&](const vec2& uv) {
                 const auto kept = kept_->irradiance(siteAt(uv), followed);
-                ++asked;
-                missed += kept ? 0 : 1;
                 return kept ? std::optional(reflected(*kept, uv)) : kept;
             };
             // Cells keep what is asked for where rays meet a surface first.
             const float area = rays.solidAngle(ray) * q.hit.distance * q.hit.distance;
             const auto cell = followed == 0 || bounces() == kAllBounces ? cells_.cellOf(q.hit, area)
                                                                         : std::nullopt;
-            std::optional<vec3> kept;
-            if (!cell) {
-                kept = find(vec2(q.hit.u, q.hit.v));
-            } else if (lacking == Lacking::kFollowed) {
-                kept = cells_.at(*cell, [&] { return find(cell->middle); });
-            } else {
-                kept = cells_.at(
-                    *cell, [&] { return find(cell->middle); },
-                    [&] {
-                        return reflected(gathered(siteAt(cell->middle), cell->cell), cell->middle);
-                    });
+            std::optional<vec3> kept = cell ? cells_.at(*cell, [&] { return find(cell->middle); })
+                                            : find(vec2(q.hit.u, q.hit.v));
+            ++asked.all;
+            asked.missed += kept ? 0 : 1;
+            if (!kept && cell && lacking == Lacking::kGathered) {
+                kept = cells_.gatheredAt(*cell, [&] {
+                    const vec3 irradiance = gathered(siteAt(cell->middle), cell->cell);
+                    return reflected(irradiance, cell->middle);
+                });
             }
             if (!kept) {
                 return false;
@@ -77,8 +76,7 @@ void ScatteredAgain::see(const Rays& rays, std::span<const Hit> hits, vec3* radi
                 weight / kPi * *kept * (q.glossy ? q.albedo(scene()) + lobe : vec3(1.0f));
             return true;
         });
-    asked_.fetch_add(asked, std::memory_order_relaxed);
-    missed_.fetch_add(missed, std::memory_order_relaxed);
+    return asked;
 }
 
 // The irradiance that other surfaces send. The seed is of the place.

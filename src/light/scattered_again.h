@@ -37,7 +37,11 @@ class ScatteredAgain : public OutgoingLight {
   private:
     // Where nothing is kept near, cells are gathered, or not: then ways go on from each point.
     enum class Lacking : uint8_t { kGathered, kFollowed };
-    void see(const Rays& rays, std::span<const Hit> hits, vec3* radiance, Lacking lacking) const;
+    // How often something kept was asked for, and how often nothing was near.
+    struct Asked {
+        int64_t all = 0, missed = 0;
+    };
+    Asked see(const Rays& rays, std::span<const Hit> hits, vec3* radiance, Lacking lacking) const;
     vec3 gathered(const ElementSite& site, uint32_t seed) const;
 
     const WaysOn ways_;
