@@ -126,6 +126,8 @@ TEST(Atlas, saysHowManyTexelsWouldDo) {
         EXPECT_EQ(error.code(), ExitCode::kUsage);
         EXPECT_NE(std::string(error.what()).find("ask for at most"), std::string::npos);
     }
+    EXPECT_THROW(makeAtlas(scene, {.size = 16, .texels_per_metre = 14.5f}), Error);
+    EXPECT_EQ(makeAtlas(scene, {.size = 16, .texels_per_metre = 14.0f}).pages, 2);
     EXPECT_THROW(makeAtlas(scene, {.texels_per_metre = 1e5f}), Error);
     Scene many;
     for (int i = 0; i < 100; ++i) {
@@ -142,6 +144,47 @@ TEST(Atlas, densityIsWhatWasAskedFor) {
     EXPECT_EQ(atlas.size, 64);
     for (const auto& corners : atlas.corners) {
         EXPECT_NEAR(std::abs(doubleArea(corners)), 100.0, 1e-3);
+    }
+}
+
+// A row of quads: each is on one page, at its own density, and neighbours share pages.
+TEST(Atlas, severalPagesWhereOneIsTooSmall) {
+    Scene scene;
+    addMaterial(scene, diffuseParams(vec3(0.5f)));
+    constexpr int kQuads = 10;
+    for (int i = 0; i < kQuads; ++i) {
+        addQuad(scene, vec3(2.0f * static_cast<float>(i), 0, 0), vec3(1, 0, 0), vec3(0, 0, -1), 0);
+    }
+    // Four of 14 texels and their free ones fill a page.
+    const Atlas atlas = makeAtlas(scene, {.size = 32, .texels_per_metre = 14.0f});
+    EXPECT_EQ(atlas.pages, 3);
+    EXPECT_EQ(atlas.charts, kQuads);
+    EXPECT_EQ(atlas.height(), 96);
+    for (size_t t = 0; t < scene.triangles.size(); ++t) {
+        EXPECT_EQ(atlas.page_of[t], static_cast<int>(t / 2 / 4));
+        EXPECT_NEAR(std::abs(doubleArea(atlas.corners[t])), 14.0 * 14.0, 1e-2);
+        for (const vec2& corner : atlas.corners[t]) {
+            const float row = corner.y - 32.0f * static_cast<float>(atlas.page_of[t]);
+            EXPECT_GE(std::min(corner.x, row), kPadding);
+            EXPECT_LE(std::max(corner.x, row), 32 - kPadding);
+        }
+    }
+    EXPECT_EQ(makeAtlas(scene, {.size = 64, .texels_per_metre = 14.0f}).pages, 1);
+}
+
+// A field of many triangles is cut where it would be larger than a page.
+TEST(Atlas, surfacesLargerThanAPageAreCut) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    constexpr int kSide = 8;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        addQuad(scene, vec3(i % kSide, 0, -(i / kSide)), vec3(1, 0, 0), vec3(0, 0, -1), white);
+    }
+    EXPECT_EQ(makeCharts(scene).size(), 1u);
+    const Atlas atlas = makeAtlas(scene, {.size = 64, .texels_per_metre = 20.0f});
+    EXPECT_GT(atlas.charts, 4);
+    for (const auto& corners : atlas.corners) {
+        EXPECT_NEAR(std::abs(doubleArea(corners)), 400.0, 1.0);
     }
 }
 

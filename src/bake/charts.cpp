@@ -48,6 +48,12 @@ struct Box {
         : lower(glm::min(glm::min(c[0], c[1]), c[2])),
           upper(glm::max(glm::max(c[0], c[1]), c[2])) {}
     double side() const { return std::max(upper.x - lower.x, upper.y - lower.y); }
+    Box with(const Box& other) const {
+        Box both = *this;
+        both.lower = glm::min(lower, other.lower);
+        both.upper = glm::max(upper, other.upper);
+        return both;
+    }
     bool meets(const Box& other) const {
         return lower.x < other.upper.x && other.lower.x < upper.x && lower.y < other.upper.y &&
                other.lower.y < upper.y;
@@ -177,8 +183,8 @@ struct Grower {
         return c;
     }
 
-    // From a triangle on, breadth first.
-    UvChart grow(uint32_t first) {
+    // From a triangle on, breadth first, as far as a square of that side reaches.
+    UvChart grow(uint32_t first, double largest) {
         const mat3 frame = tangentFrame(normals[first]);
         UvChart chart;
         const auto add = [&](uint32_t i, const Corners& c) {
@@ -190,6 +196,7 @@ struct Grower {
         Flat laid;
         laid.add(own);
         add(first, own);
+        Box around_all(own);
         for (size_t at = 0; at < chart.triangles.size(); ++at) {
             for (int c = 0; c < 3; ++c) {
                 for (const uint32_t next : around[edge(chart.triangles[at], c)]) {
@@ -197,7 +204,9 @@ struct Grower {
                         continue;
                     }
                     const Corners corners = flat(next, frame);
-                    if (laid.free(corners)) {
+                    const Box grown = around_all.with(Box(corners));
+                    if (grown.side() <= largest && laid.free(corners)) {
+                        around_all = grown;
                         laid.add(corners);
                         add(next, corners);
                     }
@@ -231,8 +240,8 @@ std::vector<dvec2> convexHull(std::vector<dvec2> points) {
 }
 
 // Turned so that the rectangle around it is as small as it may be: one of the hull's edges lies
-// along it.
-void turn(UvChart& chart) {
+// along it. Where none of these is within the largest side, it stays as it was laid.
+void turn(UvChart& chart, double largest) {
     std::vector<dvec2> points;
     for (const Corners& c : chart.corners) {
         points.insert(points.end(), c.begin(), c.end());
@@ -240,25 +249,30 @@ void turn(UvChart& chart) {
     const std::vector<dvec2> hull = convexHull(std::move(points));
     double least = kInfinity;
     dvec2 best_along(1.0, 0.0), best_lower(0.0);
-    for (size_t i = 0; i < hull.size(); ++i) {
-        const dvec2 edge = hull[(i + 1) % hull.size()] - hull[i];
-        if (!(glm::length(edge) > 0.0)) {
-            continue;
-        }
-        const dvec2 along = glm::normalize(edge);
+    const auto offer = [&](const dvec2& along, double beyond) {
         dvec2 lower(kInfinity), upper(-kInfinity);
         for (const dvec2& p : hull) {
             const dvec2 q(glm::dot(p, along), cross(along, p));
             lower = glm::min(lower, q);
             upper = glm::max(upper, q);
         }
-        const double area = (upper.x - lower.x) * (upper.y - lower.y);
-        if (area < least * (1.0 - 1e-9)) {
+        const dvec2 extent = upper - lower;
+        const double area = extent.x * extent.y;
+        if (std::max(extent.x, extent.y) <= beyond && area < least * (1.0 - 1e-9)) {
             least = area;
             best_along = along;
             best_lower = lower;
-            chart.extent = upper - lower;
+            chart.extent = extent;
         }
+    };
+    for (size_t i = 0; i < hull.size(); ++i) {
+        const dvec2 edge = hull[(i + 1) % hull.size()] - hull[i];
+        if (glm::length(edge) > 0.0) {
+            offer(glm::normalize(edge), largest);
+        }
+    }
+    if (least == kInfinity) {
+        offer(best_along, kInfinity);
     }
     for (Corners& c : chart.corners) {
         for (dvec2& p : c) {
@@ -286,7 +300,7 @@ std::vector<uint32_t> placesOf(const Scene& scene) {
     return places;
 }
 
-std::vector<UvChart> makeCharts(const Scene& scene) {
+std::vector<UvChart> makeCharts(const Scene& scene, double largest) {
     Grower grower(scene);
     std::vector<uint32_t> order(scene.triangles.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -295,8 +309,8 @@ std::vector<UvChart> makeCharts(const Scene& scene) {
     std::vector<UvChart> charts;
     for (const uint32_t i : order) {
         if (!grower.taken[i]) {
-            charts.push_back(grower.grow(i));
-            turn(charts.back());
+            charts.push_back(grower.grow(i, largest));
+            turn(charts.back(), largest);
         }
     }
     return charts;

@@ -18,8 +18,9 @@ struct UvChart {
     glm::dvec2 extent{0.0};
 };
 
-/// All triangles, each in one chart.
-std::vector<UvChart> makeCharts(const Scene& scene);
+/// All triangles, each in one chart, no longer or wider than `largest`, scene units, but for single
+/// triangles that are.
+std::vector<UvChart> makeCharts(const Scene& scene, double largest = kInfinity);
 
 /// Numbers of the places that vertices stand at: the same for those of the same place.
 std::vector<uint32_t> placesOf(const Scene& scene);
