@@ -90,7 +90,7 @@ TEST(ShownByLightmap, evenLightIsScatteredByTheAlbedo) {
 // Light that tells where it is: no page is taken for another, nor any place on it.
 TEST(ShownByLightmap, eachSurfaceByItsOwnPage) {
     const Shown shown(scenes::cornellDiffuse());
-    const Bench bench(shown.before, {.size = 72, .texels_per_metre = 32.0f});
+    const Bench bench(shown.before, {.size = 72, .texels_per_metre = 110.0f});
     ASSERT_GT(bench.map.atlas.pages, 2);
     Image<vec3> light(72, bench.map.atlas.height());
     const auto lightAt = [](const vec3& position) { return 1.0f + glm::abs(position); };

@@ -287,6 +287,7 @@ Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& wh
     }
     Atlas atlas;
     atlas.of_file = true;
+    atlas.page_of.assign(scene.triangles.size(), 0);
     atlas.size = params.size;
     if (params.texels_per_metre > 0.0f) {
         double in_scene = 0.0, in_square = 0.0;
@@ -316,7 +317,6 @@ Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& wh
         return {};
     }
     numberCharts(scene, atlas);
-    atlas.page_of.assign(scene.triangles.size(), 0);
     return atlas;
 }
 

@@ -109,10 +109,11 @@ EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<ve
 
 LightmapFile lightmapFileOf(const std::string& source, const Atlas& atlas) {
     const auto size = static_cast<float>(atlas.size);
-    LightmapFile file{.source = source,
-                      .corners = atlas.corners,
-                      .page_of = atlas.page_of,
-                      .of_file = atlas.of_file};
+    LightmapFile file;
+    file.source = source;
+    file.corners = atlas.corners;
+    file.page_of = atlas.page_of;
+    file.of_file = atlas.of_file;
     file.pngs.resize(static_cast<size_t>(atlas.pages));
     for (size_t i = 0; i < file.corners.size(); ++i) {
         for (vec2& corner : file.corners[i]) {
