@@ -188,6 +188,29 @@ TEST(Atlas, surfacesLargerThanAPageAreCut) {
     }
 }
 
+// The atlas would do as a file's own.
+void expectNoneOverAnother(const Scene& scene, const Atlas& atlas) {
+    Scene unrolled = scene;
+    unrolled.positions.clear();
+    unrolled.normals.clear();
+    unrolled.uvs.clear();
+    unrolled.triangles.clear();
+    for (size_t i = 0; i < scene.triangles.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            const uint32_t v = scene.triangles[i][c];
+            addVertex(unrolled, scene.positions[v], scene.normals[v]);
+            unrolled.second_uvs.push_back(atlas.corners[i][static_cast<size_t>(c)] /
+                                          static_cast<float>(atlas.size));
+        }
+        const auto first = static_cast<uint32_t>(3 * i);
+        unrolled.triangles.emplace_back(first, first + 1, first + 2);
+    }
+    std::string why;
+    const Atlas again = atlasOfFile(unrolled, {.size = 512}, why);
+    EXPECT_EQ(why, "");
+    EXPECT_EQ(again.charts, atlas.charts);
+}
+
 // Charts hold every triangle once, at its own size and shape, no two over each other.
 TEST(Atlas, chartsTakeEveryTriangleOnce) {
     Scene scene = cornellRoom(diffuseParams(vec3(0.5f)), diffuseParams(vec3(0.5f)));
@@ -206,26 +229,50 @@ TEST(Atlas, chartsTakeEveryTriangleOnce) {
         }
     }
     EXPECT_EQ(std::count(times.begin(), times.end(), 1), static_cast<long>(times.size()));
-    // No two over each other: the atlas would do as a file's own.
-    const Atlas atlas = makeAtlas(scene, {.size = 128});
-    Scene unrolled = scene;
-    unrolled.positions.clear();
-    unrolled.normals.clear();
-    unrolled.uvs.clear();
-    unrolled.triangles.clear();
-    for (size_t i = 0; i < scene.triangles.size(); ++i) {
-        for (int c = 0; c < 3; ++c) {
-            const uint32_t v = scene.triangles[i][c];
-            addVertex(unrolled, scene.positions[v], scene.normals[v]);
-            unrolled.second_uvs.push_back(atlas.corners[i][static_cast<size_t>(c)] / 128.0f);
+    expectNoneOverAnother(scene, makeAtlas(scene, {.size = 128}));
+}
+
+// On a floor, of radius 1 and 3 high; it tapers by so much a unit.
+Scene column(int sides, double taper = 0.0) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    addQuad(scene, vec3(-5, 0, 5), vec3(10, 0, 0), vec3(0, 0, -10), white);
+    std::vector<uint32_t> rim;
+    for (int i = 0; i < sides; ++i) {
+        const double phi = 2.0 * kPi * i / sides;
+        const vec3 out(std::cos(phi), 0, -std::sin(phi));
+        for (const float y : {0.0f, 3.0f}) {
+            const auto radius = static_cast<float>(1.0 - taper * y);
+            rim.push_back(addVertex(scene, radius * out + vec3(0, y, 0), out));
         }
-        const auto first = static_cast<uint32_t>(3 * i);
-        unrolled.triangles.emplace_back(first, first + 1, first + 2);
     }
-    std::string why;
-    const Atlas again = atlasOfFile(unrolled, {.size = 512}, why);
-    EXPECT_EQ(why, "");
-    EXPECT_EQ(again.charts, atlas.charts);
+    for (size_t i = 0; i < rim.size(); i += 2) {
+        const uint32_t next = rim[(i + 2) % rim.size()], above = rim[(i + 3) % rim.size()];
+        scene.triangles.emplace_back(rim[i], next, above);
+        scene.triangles.emplace_back(rim[i], above, rim[i + 1]);
+        scene.materials_of.insert(scene.materials_of.end(), 2, white);
+    }
+    return scene;
+}
+
+// Its sides in one row, each as long and as wide as it is, beside the floor.
+TEST(Atlas, columnsAreUnrolled) {
+    constexpr int kSides = 24;
+    const double width = 2.0 * std::sin(kPi / kSides);
+    const Scene scene = column(kSides);
+    const std::vector<UvChart> charts = makeCharts(scene);
+    ASSERT_EQ(charts.size(), 2u);
+    EXPECT_EQ(charts[1].triangles.size(), 2u * kSides);
+    EXPECT_NEAR(std::max(charts[1].extent.x, charts[1].extent.y), kSides * width, 1e-5);
+    EXPECT_NEAR(std::min(charts[1].extent.x, charts[1].extent.y), 3.0, 1e-5);
+    expectNoneOverAnother(scene, makeAtlas(scene, {.size = 64}));
+    EXPECT_EQ(makeCharts(column(kSides, 0.005)).size(), 2u);  // it tapers
+    // What is longer than a page is cut.
+    for (const UvChart& chart : makeCharts(scene, 4.0)) {
+        EXPECT_TRUE(chart.triangles.size() == 1 || std::max(chart.extent.x, chart.extent.y) <= 4.0);
+    }
+    // Sides that meet at more than 37 degrees are an edge.
+    EXPECT_EQ(makeCharts(column(8)).size(), 9u);
 }
 
 // A strip that winds up: as seen from above it lies over itself.

@@ -252,7 +252,7 @@ class Report(unittest.TestCase):
         rows = [[cell.text for cell in row.find_elements(By.TAG_NAME, "td")]
                 for row in self.driver.find_elements(By.CSS_SELECTOR, "#bakes-table tbody tr")]
         self.assertEqual(rows[1], ["cornell", "records", "accuracy 0.4", "13.0%", "1.00%", "5.00 s"])
-        self.assertEqual(rows[2][3:5], ["–", "not judged"])
+        self.assertEqual(rows[2][3:5], ["–", "8.00% (not judged)"])
         self.assertTrue(self.id("bakes-measured").text.startswith("Baked by hand."))
         headings = [heading.text for heading in self.driver.find_elements(By.CSS_SELECTOR, "#bakes-panels h3")]
         self.assertEqual(headings[0], "cornell")

@@ -96,7 +96,7 @@ function makeBakes() {
   fillTable('bakes-table', [['scene', 'text'], ['method', 'text'], ['setting', 'text'], ['hemispheres'], ['error'], ['time']],
             data.bakes.points.map(point => [
               point.scene, point.method, point.setting, point.share > 0 ? percent(point.share) : '–',
-              point.judged ? percent(point.error) : 'not judged', seconds(point.seconds)]));
+              percent(point.error) + (point.judged ? '' : ' (not judged)'), seconds(point.seconds)]));
 }
 
 function draw() {
