@@ -114,6 +114,32 @@ TEST(Bake, recordsAgreeWithPathTracedTexels) {
     EXPECT_EQ(indirect.compared, bench.map.covered - bench.map.buried);
 }
 
+// Records know nothing of pages: surfaces have the same light, of as many records.
+TEST(Bake, severalPagesHaveTheLightOfOne) {
+    const Scene scene = cornellRoom(diffuseParams(vec3(0.5f)), diffuseParams(vec3(0.5f)));
+    const auto sumsOf = [&](const Bench& bench, const Baked& baked) {
+        const Image<vec3> light = beauty(baked.frame);
+        std::vector<glm::dvec4> sums(scene.triangles.size());
+        bench.forSeen([&](size_t i) {
+            sums[bench.map.receivers.triangles[i]] += glm::dvec4(light.pixels[i], 1.0);
+        });
+        return sums;
+    };
+    const Bench one(scene, {.texels_per_metre = 20.0f});
+    const Bench several(scene, {.size = 48, .texels_per_metre = 20.0f});
+    ASSERT_EQ(one.map.atlas.pages, 1);
+    ASSERT_GT(several.map.atlas.pages, 2);
+    const Baked of_one = one.bake(), of_several = several.bake();
+    EXPECT_EQ(of_several.stats.uncovered, 0);
+    EXPECT_NEAR(of_several.stats.records, of_one.stats.records, 0.1 * of_one.stats.records);
+    const auto a = sumsOf(one, of_one), b = sumsOf(several, of_several);
+    constexpr size_t kOfWalls = 12;  // others are smaller than texels
+    for (size_t t = 0; t < kOfWalls; ++t) {
+        EXPECT_NEAR(a[t].w, b[t].w, 0.05 * a[t].w + 2.0);
+        EXPECT_NEAR(a[t].y / a[t].w, b[t].y / b[t].w, 0.03 * a[t].y / a[t].w) << t;
+    }
+}
+
 // A floor of two objects that touch, and one of two pieces that charts of their own cover.
 TEST(Bake, lightGoesOnAcrossTheBordersOfCharts) {
     Scene scene;

@@ -126,6 +126,8 @@ TEST(Atlas, saysHowManyTexelsWouldDo) {
         EXPECT_EQ(error.code(), ExitCode::kUsage);
         EXPECT_NE(std::string(error.what()).find("ask for at most"), std::string::npos);
     }
+    EXPECT_THROW(makeAtlas(scene, {.size = 16, .texels_per_metre = 14.5f}), Error);
+    EXPECT_EQ(makeAtlas(scene, {.size = 16, .texels_per_metre = 14.0f}).pages, 2);
     EXPECT_THROW(makeAtlas(scene, {.texels_per_metre = 1e5f}), Error);
     Scene many;
     for (int i = 0; i < 100; ++i) {
@@ -143,6 +145,70 @@ TEST(Atlas, densityIsWhatWasAskedFor) {
     for (const auto& corners : atlas.corners) {
         EXPECT_NEAR(std::abs(doubleArea(corners)), 100.0, 1e-3);
     }
+}
+
+// A row of quads: each is on one page, at its own density, and neighbours share pages.
+TEST(Atlas, severalPagesWhereOneIsTooSmall) {
+    Scene scene;
+    addMaterial(scene, diffuseParams(vec3(0.5f)));
+    constexpr int kQuads = 10;
+    for (int i = 0; i < kQuads; ++i) {
+        addQuad(scene, vec3(2.0f * static_cast<float>(i), 0, 0), vec3(1, 0, 0), vec3(0, 0, -1), 0);
+    }
+    // Four of 14 texels and their free ones fill a page.
+    const Atlas atlas = makeAtlas(scene, {.size = 32, .texels_per_metre = 14.0f});
+    EXPECT_EQ(atlas.pages, 3);
+    EXPECT_EQ(atlas.charts, kQuads);
+    EXPECT_EQ(atlas.height(), 96);
+    for (size_t t = 0; t < scene.triangles.size(); ++t) {
+        EXPECT_EQ(atlas.page_of[t], static_cast<int>(t / 2 / 4));
+        EXPECT_NEAR(std::abs(doubleArea(atlas.corners[t])), 14.0 * 14.0, 1e-2);
+        for (const vec2& corner : atlas.corners[t]) {
+            const float row = corner.y - 32.0f * static_cast<float>(atlas.page_of[t]);
+            EXPECT_GE(std::min(corner.x, row), kPadding);
+            EXPECT_LE(std::max(corner.x, row), 32 - kPadding);
+        }
+    }
+    EXPECT_EQ(makeAtlas(scene, {.size = 64, .texels_per_metre = 14.0f}).pages, 1);
+}
+
+// A field of many triangles is cut where it would be larger than a page.
+TEST(Atlas, surfacesLargerThanAPageAreCut) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    constexpr int kSide = 8;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        addQuad(scene, vec3(i % kSide, 0, -(i / kSide)), vec3(1, 0, 0), vec3(0, 0, -1), white);
+    }
+    EXPECT_EQ(makeCharts(scene).size(), 1u);
+    const Atlas atlas = makeAtlas(scene, {.size = 64, .texels_per_metre = 20.0f});
+    EXPECT_GT(atlas.charts, 4);
+    for (const auto& corners : atlas.corners) {
+        EXPECT_NEAR(std::abs(doubleArea(corners)), 400.0, 1.0);
+    }
+}
+
+// The atlas would do as a file's own.
+void expectNoneOverAnother(const Scene& scene, const Atlas& atlas) {
+    Scene unrolled = scene;
+    unrolled.positions.clear();
+    unrolled.normals.clear();
+    unrolled.uvs.clear();
+    unrolled.triangles.clear();
+    for (size_t i = 0; i < scene.triangles.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            const uint32_t v = scene.triangles[i][c];
+            addVertex(unrolled, scene.positions[v], scene.normals[v]);
+            unrolled.second_uvs.push_back(atlas.corners[i][static_cast<size_t>(c)] /
+                                          static_cast<float>(atlas.size));
+        }
+        const auto first = static_cast<uint32_t>(3 * i);
+        unrolled.triangles.emplace_back(first, first + 1, first + 2);
+    }
+    std::string why;
+    const Atlas again = atlasOfFile(unrolled, {.size = 512}, why);
+    EXPECT_EQ(why, "");
+    EXPECT_EQ(again.charts, atlas.charts);
 }
 
 // Charts hold every triangle once, at its own size and shape, no two over each other.
@@ -163,26 +229,50 @@ TEST(Atlas, chartsTakeEveryTriangleOnce) {
         }
     }
     EXPECT_EQ(std::count(times.begin(), times.end(), 1), static_cast<long>(times.size()));
-    // No two over each other: the atlas would do as a file's own.
-    const Atlas atlas = makeAtlas(scene, {.size = 128});
-    Scene unrolled = scene;
-    unrolled.positions.clear();
-    unrolled.normals.clear();
-    unrolled.uvs.clear();
-    unrolled.triangles.clear();
-    for (size_t i = 0; i < scene.triangles.size(); ++i) {
-        for (int c = 0; c < 3; ++c) {
-            const uint32_t v = scene.triangles[i][c];
-            addVertex(unrolled, scene.positions[v], scene.normals[v]);
-            unrolled.second_uvs.push_back(atlas.corners[i][static_cast<size_t>(c)] / 128.0f);
+    expectNoneOverAnother(scene, makeAtlas(scene, {.size = 128}));
+}
+
+// On a floor, of radius 1 and 3 high; it tapers by so much a unit.
+Scene column(int sides, double taper = 0.0) {
+    Scene scene;
+    const uint32_t white = addMaterial(scene, diffuseParams(vec3(0.5f)));
+    addQuad(scene, vec3(-5, 0, 5), vec3(10, 0, 0), vec3(0, 0, -10), white);
+    std::vector<uint32_t> rim;
+    for (int i = 0; i < sides; ++i) {
+        const double phi = 2.0 * kPi * i / sides;
+        const vec3 out(std::cos(phi), 0, -std::sin(phi));
+        for (const float y : {0.0f, 3.0f}) {
+            const auto radius = static_cast<float>(1.0 - taper * y);
+            rim.push_back(addVertex(scene, radius * out + vec3(0, y, 0), out));
         }
-        const auto first = static_cast<uint32_t>(3 * i);
-        unrolled.triangles.emplace_back(first, first + 1, first + 2);
     }
-    std::string why;
-    const Atlas again = atlasOfFile(unrolled, {.size = 512}, why);
-    EXPECT_EQ(why, "");
-    EXPECT_EQ(again.charts, atlas.charts);
+    for (size_t i = 0; i < rim.size(); i += 2) {
+        const uint32_t next = rim[(i + 2) % rim.size()], above = rim[(i + 3) % rim.size()];
+        scene.triangles.emplace_back(rim[i], next, above);
+        scene.triangles.emplace_back(rim[i], above, rim[i + 1]);
+        scene.materials_of.insert(scene.materials_of.end(), 2, white);
+    }
+    return scene;
+}
+
+// Its sides in one row, each as long and as wide as it is, beside the floor.
+TEST(Atlas, columnsAreUnrolled) {
+    constexpr int kSides = 24;
+    const double width = 2.0 * std::sin(kPi / kSides);
+    const Scene scene = column(kSides);
+    const std::vector<UvChart> charts = makeCharts(scene);
+    ASSERT_EQ(charts.size(), 2u);
+    EXPECT_EQ(charts[1].triangles.size(), 2u * kSides);
+    EXPECT_NEAR(std::max(charts[1].extent.x, charts[1].extent.y), kSides * width, 1e-5);
+    EXPECT_NEAR(std::min(charts[1].extent.x, charts[1].extent.y), 3.0, 1e-5);
+    expectNoneOverAnother(scene, makeAtlas(scene, {.size = 64}));
+    EXPECT_EQ(makeCharts(column(kSides, 0.005)).size(), 2u);  // it tapers
+    // What is longer than a page is cut.
+    for (const UvChart& chart : makeCharts(scene, 4.0)) {
+        EXPECT_TRUE(chart.triangles.size() == 1 || std::max(chart.extent.x, chart.extent.y) <= 4.0);
+    }
+    // Sides that meet at more than 37 degrees are an edge.
+    EXPECT_EQ(makeCharts(column(8)).size(), 9u);
 }
 
 // A strip that winds up: as seen from above it lies over itself.

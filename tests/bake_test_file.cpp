@@ -32,17 +32,11 @@ struct Written {
         const Image<vec3> light(64, 64, vec3(0.5f, 1.0f, 2.0f));
         const EncodedLight encoded =
             unlit ? encodeUnlit(before, bench.map, light) : encodeIrradiance(bench.map, light);
-        file = {.source = in,
-                .corners = bench.map.atlas.corners,
-                .png = encoded.png,
-                .unlit = unlit,
-                .intensity = encoded.intensity,
-                .lights_baked = lights_baked};
-        for (auto& corners : file.corners) {
-            for (vec2& corner : corners) {
-                corner /= 64.0f;
-            }
-        }
+        file = lightmapFileOf(in, bench.map.atlas);
+        file.pngs = encoded.pngs;
+        file.unlit = unlit;
+        file.intensity = encoded.intensity;
+        file.lights_baked = lights_baked;
         writeLightmapped(out, before, file);
         after = loadScene(out);
     }
@@ -215,7 +209,8 @@ TEST(EncodeUnlit, coatsAndAlphaAreInIt) {
     addQuad(scene, vec3(0), vec3(1, 0, 0), vec3(0, 0, -1), dark);
     const auto decoded = [&] {
         const Bench bench(scene, 16);
-        const std::string png = encodeUnlit(scene, bench.map, Image<vec3>(16, 16, vec3(kPi))).png;
+        const std::string png =
+            encodeUnlit(scene, bench.map, Image<vec3>(16, 16, vec3(kPi))).pngs.front();
         return decodeImage({reinterpret_cast<const uint8_t*>(png.data()), png.size()});
     };
     const DecodedImage bare = decoded();

@@ -6,6 +6,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "bake/dilate.h"
 #include "bake/encode.h"
 #include "scene/lightmap_file.h"
 #include "scenes/all_scenes.h"
@@ -38,17 +39,14 @@ struct Shown {
         if (!light) {
             irradiance = beauty(bench.bake({.accuracy = 0.2f, .indirect_only = !direct}).frame);
         }
+        return baked(bench, irradiance, direct);
+    }
+    Scene baked(const Bench& bench, const Image<vec3>& irradiance, bool direct) const {
         const EncodedLight encoded = encodeIrradiance(bench.map, irradiance);
-        LightmapFile file = {.source = in,
-                             .corners = bench.map.atlas.corners,
-                             .png = encoded.png,
-                             .intensity = encoded.intensity,
-                             .lights_baked = direct};
-        for (auto& corners : file.corners) {
-            for (vec2& corner : corners) {
-                corner /= static_cast<float>(size);
-            }
-        }
+        LightmapFile file = lightmapFileOf(in, bench.map.atlas);
+        file.pngs = encoded.pngs;
+        file.intensity = encoded.intensity;
+        file.lights_baked = direct;
         writeLightmapped(out, before, file);
         return loadScene(out, {.lightmaps = true});
     }
@@ -87,6 +85,26 @@ TEST(ShownByLightmap, evenLightIsScatteredByTheAlbedo) {
         EXPECT_LT(maxAbs(error), 2.0f * kRounding / kPi) << i;
         EXPECT_EQ(frame.direct.pixels[i], vec3(0.0f));
     }
+}
+
+// Light that tells where it is: no page is taken for another, nor any place on it.
+TEST(ShownByLightmap, eachSurfaceByItsOwnPage) {
+    const Shown shown(scenes::cornellDiffuse());
+    const Bench bench(shown.before, {.size = 72, .texels_per_metre = 110.0f});
+    ASSERT_GT(bench.map.atlas.pages, 2);
+    Image<vec3> light(72, bench.map.atlas.height());
+    const auto lightAt = [](const vec3& position) { return 1.0f + glm::abs(position); };
+    bench.forSeen([&](size_t i) { light.pixels[i] = lightAt(bench.map.receivers.positions[i]); });
+    dilate(bench.map, light);
+    const Scene scene = shown.baked(bench, light, true);
+    ASSERT_TRUE(scene.lightmapped);
+    EXPECT_EQ(scene.triangles.size(), shown.before.triangles.size());
+    const Frame frame = renderFrame(scene, lightmapRender(48)).frame;
+    Image<vec3> expected = frame.indirect;
+    for (size_t i = 0; i < expected.pixels.size(); ++i) {
+        expected.pixels[i] = frame.albedo.pixels[i] * lightAt(frame.position.pixels[i]) / kPi;
+    }
+    EXPECT_LT(relativeRms(frame.indirect, expected), 0.01);
 }
 
 TEST(ShownByLightmap, agreesWithAnOrdinaryRender) {

@@ -107,9 +107,10 @@ TEST(ChartJson, readsBack) {
     }
 }
 
-TEST(ChartJson, holdsSequencesThatWereMeasured) {
+TEST(ChartJson, holdsSequencesAndBakesThatWereMeasured) {
     Chart chart = sampleChart();
-    const Json sequences = Json::parse(chartJson(chart))["sequences"];
+    const Json json = Json::parse(chartJson(chart));
+    const Json& sequences = json["sequences"];
     EXPECT_EQ(sequences["measured"], "By hand.");
     ASSERT_EQ(sequences["points"].size(), 3u);
     EXPECT_EQ(sequences["points"][1], Json({{"scene", "kite"},
@@ -118,38 +119,62 @@ TEST(ChartJson, holdsSequencesThatWereMeasured) {
                                             {"flicker", 0.0005},
                                             {"resolution", 0.001},
                                             {"seconds", 1.0}}));
+    EXPECT_EQ(json["bakes"]["measured"], "Baked by hand.");
+    ASSERT_EQ(json["bakes"]["points"].size(), 4u);
+    EXPECT_EQ(json["bakes"]["points"][2], Json({{"scene", "cornell"},
+                                                {"method", "paths"},
+                                                {"setting", "spp 16"},
+                                                {"error", 0.08},
+                                                {"judged", false},
+                                                {"share", 0.0},
+                                                {"seconds", 2.0}}));
     chart.sequences.reset();
+    chart.bakes.reset();
     EXPECT_TRUE(Json::parse(chartJson(chart))["sequences"].is_null());
+    EXPECT_TRUE(Json::parse(chartJson(chart))["bakes"].is_null());
 }
 
-TEST(Sequences, readBack) {
+TEST(Benches, readBack) {
     const TestFolder folder;
-    const std::string path = folder.path() / "sequences.json";
-    std::ofstream(path) << Json::parse(chartJson(sampleChart()))["sequences"];
-    const Sequences read = readSequences(path);
-    EXPECT_EQ(read.measured, "By hand.");
-    ASSERT_EQ(read.points.size(), 3u);
-    EXPECT_EQ(read.points[0].method, "anew");
-    EXPECT_EQ(read.points[0].seconds, 4.0);
-    EXPECT_EQ(read.points[1].flicker, 0.0005);
+    const std::string path = folder.path() / "bench.json";
+    const Json json = Json::parse(chartJson(sampleChart()));
+    std::ofstream(path) << json["sequences"];
+    const Sequences sequences = readSequences(path);
+    EXPECT_EQ(sequences.measured, "By hand.");
+    ASSERT_EQ(sequences.points.size(), 3u);
+    EXPECT_EQ(sequences.points[0].method, "anew");
+    EXPECT_EQ(sequences.points[0].seconds, 4.0);
+    EXPECT_EQ(sequences.points[1].flicker, 0.0005);
+    std::ofstream(path) << json["bakes"];
+    const Bakes bakes = readBakes(path);
+    ASSERT_EQ(bakes.points.size(), 4u);
+    EXPECT_EQ(bakes.points[1].setting, "accuracy 0.4");
+    EXPECT_EQ(bakes.points[1].share, 0.13);
+    EXPECT_FALSE(bakes.points[2].judged);
 }
 
-TEST(Sequences, ofBrokenFilesAreErrors) {
+TEST(Benches, ofBrokenFilesAreErrors) {
     const TestFolder folder;
-    const std::string path = folder.path() / "sequences.json";
-    EXPECT_THROW(readSequences(path), Error);
-    for (const char* text :
-         {"", "{", "[]", "{}", R"({"measured": "", "points": [{"scene": "a"}]})",
-          R"({"measured": "", "points": [{"scene": "a", "method": "b", "error": -1,
-              "flicker": 0, "resolution": 0, "seconds": 1}]})"}) {
-        std::ofstream(path) << text;
+    const std::string path = folder.path() / "bench.json";
+    const auto expect_refused = [&](const auto& read, const std::string& text) {
         try {
-            readSequences(path);
+            read(path);
             FAIL() << text;
         } catch (const Error& error) {
             EXPECT_EQ(error.code(), ExitCode::kInput) << text;
             EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << text;
         }
+    };
+    expect_refused(readSequences, "no file");
+    expect_refused(readBakes, "no file");
+    for (const char* text :
+         {"", "{", "[]", "{}", R"({"measured": "", "points": [{"scene": "a"}]})",
+          R"({"measured": "", "points": [{"scene": "a", "method": "b", "error": -1,
+              "flicker": 0, "resolution": 0, "seconds": 1,
+              "setting": "", "judged": true, "share": 0}]})"}) {
+        std::ofstream(path) << text;
+        expect_refused(readSequences, text);
+        expect_refused(readBakes, text);
     }
 }
 

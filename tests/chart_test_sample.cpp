@@ -87,6 +87,11 @@ Chart sampleChart() {
                                 .points = {{"kite", "anew", 0.02, 0.03, 0.001, 4.0},
                                            {"kite", "temporal", 0.02, 0.0005, 0.001, 1.0},
                                            {kHostileName, "anew", 0.5, 0.25, 0.001, 2.0}}};
+    chart.bakes = Bakes{.measured = "Baked by hand.",
+                        .points = {{"cornell", "records", "accuracy 1.2", 0.02, true, 0.06, 3.0},
+                                   {"cornell", "records", "accuracy 0.4", 0.01, true, 0.13, 5.0},
+                                   {"cornell", "paths", "spp 16", 0.08, false, 0.0, 2.0},
+                                   {kHostileName, "paths", "spp 16", 0.5, true, 0.0, 2.5}}};
     return chart;
 }
 

@@ -30,6 +30,26 @@ TEST_F(CliBakeTest, writesWhatItIsAskedFor) {
     EXPECT_EQ(Json::parse(textOf(file("c.json"))).at("own_coordinates"), true);
 }
 
+// Floor and wall do not fit into one.
+TEST_F(CliBakeTest, severalLightmapsWhereOneIsTooSmall) {
+    const std::string atlas = "bake scene.gltf --size 56 --texels-per-metre 6 -q ";
+    const Outcome baked = call(atlas + "--directional -o a.glb -o a.exr -o a.png --json a.json");
+    ASSERT_EQ(baked.code, 0) << baked.err;
+    const Json json = Json::parse(textOf(file("a.json")));
+    EXPECT_EQ(json.at("pages"), 2);
+    EXPECT_EQ(json.at("outputs"), Json({"a.glb", "a.0.exr", "a.1.exr", "a.0.png", "a.1.png"}));
+    EXPECT_FALSE(fs::exists(file("a.exr")));
+    EXPECT_TRUE(fs::exists(file("a.1.png")));
+    EXPECT_NE(textOf(file("a.1.exr")).find("sh3.B"), std::string::npos);
+    const Outcome shown = call("render a.glb --size 16x12 -o r.exr --json r.json");
+    EXPECT_EQ(shown.code, 0) << shown.err;
+    EXPECT_EQ(Json::parse(textOf(file("r.json"))).at("method"), "lightmap");
+    ASSERT_EQ(call(atlas + "--method texels -o b.exr").code, 0);
+    EXPECT_EQ(call("compare a.0.exr b.0.exr").code, 0);
+    EXPECT_EQ(call("compare a.1.exr b.1.exr").code, 0);
+    expectError(atlas + "-o c.exr --json c.1.exr", ExitCode::kUsage, "is the file of --json");
+}
+
 TEST_F(CliBakeTest, whatIsBakedIsShown) {
     ASSERT_EQ(call("bake scene.gltf --size 32 -q -o a.glb").code, 0);
     const Outcome shown = call("render a.glb --size 16x12 -o a.exr --json a.json");

@@ -248,6 +248,20 @@ class Report(unittest.TestCase):
         self.assertEqual(rows[2][0][:9], "</script>")
         self.assertTrue(self.id("sequences-measured").text.startswith("By hand."))
 
+    def test_bakes(self):
+        rows = [[cell.text for cell in row.find_elements(By.TAG_NAME, "td")]
+                for row in self.driver.find_elements(By.CSS_SELECTOR, "#bakes-table tbody tr")]
+        self.assertEqual(rows[1], ["cornell", "records", "accuracy 0.4", "13.0%", "1.00%", "5.00 s"])
+        self.assertEqual(rows[2][3:5], ["–", "8.00% (not judged)"])
+        self.assertTrue(self.id("bakes-measured").text.startswith("Baked by hand."))
+        headings = [heading.text for heading in self.driver.find_elements(By.CSS_SELECTOR, "#bakes-panels h3")]
+        self.assertEqual(headings[0], "cornell")
+        self.assertIn("</script>", headings[1])
+        sets = self.js("Chart.getChart(document.querySelector('#bakes-panels canvas')).data.datasets.map("
+                       "set => [set.label, set.data, set.pointBackgroundColor[0] === set.borderColor])")
+        self.assertEqual(sets, [["records", [{"x": 3, "y": 2}, {"x": 5, "y": 1}], True],
+                                ["paths", [{"x": 2, "y": 8}], False]])
+
     def test_dark(self):
         drawn = lambda: self.js("Chart.getChart(document.querySelector('#panels canvas')).data.datasets[0].borderColor")
         light = drawn()
@@ -260,7 +274,7 @@ class Report(unittest.TestCase):
         self.driver.get("about:blank")
         self.driver.get(self.url + "#charts")
         self.assertTrue(self.id("panels").is_displayed())
-        for part in ("inspector", "equal", "stages", "sequences", "figures", "errors"):
+        for part in ("inspector", "equal", "stages", "sequences", "bakes", "figures", "errors"):
             self.assertFalse(self.id(part).is_displayed(), part)
 
 

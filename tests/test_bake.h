@@ -13,10 +13,11 @@ struct Bench {
     Tracer tracer;
     Lightmap map;
 
-    Bench(const Scene& scene, int size) : tracer(scene) {
+    Bench(const Scene& scene, int size) : Bench(scene, AtlasParams{.size = size}) {}
+    Bench(const Scene& scene, const AtlasParams& params) : tracer(scene) {
         std::string why;
-        Atlas atlas = atlasOfFile(scene, {.size = size}, why);
-        map = lightmapOf(tracer, why.empty() ? std::move(atlas) : makeAtlas(scene, {.size = size}));
+        Atlas atlas = atlasOfFile(scene, params, why);
+        map = lightmapOf(tracer, why.empty() ? std::move(atlas) : makeAtlas(scene, params));
     }
     Baked bake(BakeParams params = {}) const {
         params.quiet = true;

@@ -6,7 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <span>
 #include <tuple>
+#include <utility>
 
 #include "bake/charts.h"
 #include "core/error.h"
@@ -30,7 +33,7 @@ ivec2 texelsOf(const UvChart& chart, double density) {
 }
 
 // Where the charts lie at so many texels a unit, in order; empty where they do not fit.
-std::vector<ivec2> pack(const std::vector<UvChart>& charts, double density, int size) {
+std::vector<ivec2> pack(std::span<const UvChart> charts, double density, int size) {
     std::vector<stbrp_rect> rects(charts.size());
     int64_t left = int64_t{size} * size;
     for (size_t i = 0; i < charts.size(); ++i) {
@@ -78,40 +81,98 @@ double densestFor(const std::vector<UvChart>& charts, double area, int size) {
     return low;
 }
 
+// Charts with their places.
 struct Packing {
     int size = 0;
     double density = 0.0;
+    std::vector<UvChart> charts = {};
+    std::vector<ivec2> places = {};  // [chart], on its page
+    std::vector<int> page_of = {};   // [chart]; pages are filled one after the other
 };
 
-Packing choosePacking(const std::vector<UvChart>& charts, double area, const AtlasParams& params) {
+Packing onOnePage(std::vector<UvChart> charts, int size, double density) {
+    Packing packing{.size = size, .density = density};
+    packing.places = pack(charts, density, size);
+    packing.page_of.assign(packing.places.size(), 0);
+    packing.charts = std::move(charts);
+    return packing;
+}
+
+// How many of the first charts a page holds: by bisection, which is right up to what packing
+// happens to lose.
+size_t fitting(std::span<const UvChart> charts, double density, int size) {
+    size_t fits = 0, too_many = charts.size() + 1;
+    while (fits + 1 < too_many) {
+        const size_t middle = std::midpoint(fits, too_many);
+        (pack(charts.first(middle), density, size).empty() ? too_many : fits) = middle;
+    }
+    return fits;
+}
+
+// In the order of the file's primitives, so that each of these is on few pages.
+Packing onPages(const Scene& scene, int size, double density) {
+    constexpr int64_t kMostTexels = int64_t{1} << 30;
+    Packing packing{.size = size, .density = density};
+    std::vector<UvChart>& charts = packing.charts;
+    double widest = 0.0;
+    const double largest = (size - 2 * kPadding) / density;
+    charts = makeCharts(scene, largest);
+    for (const UvChart& chart : charts) {
+        widest = std::max({widest, chart.extent.x, chart.extent.y});
+    }
+    if (widest > largest) {
+        throwUsage(
+            "--texels-per-metre {}: a triangle of {:.3g} m takes more than {} x {} texels; ask for "
+            "at most {:.3g}{}",
+            density, widest, size, size, density * largest / widest,
+            size < kLargestAtlas ? ", or for a larger --size" : "");
+    }
+    const auto first = [](const UvChart& c) {
+        return *std::min_element(c.triangles.begin(), c.triangles.end());
+    };
+    std::sort(charts.begin(), charts.end(),
+              [&](const UvChart& a, const UvChart& b) { return first(a) < first(b); });
+    for (int page = 0; packing.places.size() < charts.size(); ++page) {
+        const auto left = std::span<const UvChart>(charts).subspan(packing.places.size());
+        const size_t count = fitting(left, density, size);
+        if (int64_t{size} * size * (page + 1) > kMostTexels) {
+            throwUsage(
+                "--texels-per-metre {}: takes more than {} lightmaps of {} x {} texels; ask "
+                "for fewer",
+                density, page, size, size);
+        }
+        const std::vector<ivec2> places = pack(left.first(count), density, size);
+        packing.places.insert(packing.places.end(), places.begin(), places.end());
+        packing.page_of.insert(packing.page_of.end(), count, page);
+    }
+    return packing;
+}
+
+Packing choosePacking(const Scene& scene, const AtlasParams& params) {
+    std::vector<UvChart> charts = makeCharts(scene);
     const double asked = params.texels_per_metre;
     if (asked == 0.0) {
-        const Packing packing{params.size, densestFor(charts, area, params.size)};
-        if (packing.density == 0.0) {
+        double area = 0.0;
+        for (const uvec3& t : scene.triangles) {
+            area += areaOf(scene, t);
+        }
+        const double density = densestFor(charts, area, params.size);
+        if (density == 0.0) {
             throwUsage(
                 "--size {}: too small: the scene falls into {} charts, which take a texel each and "
                 "{} around them; ask for a larger one",
                 params.size, charts.size(), kPadding);
         }
-        return packing;
+        return onOnePage(std::move(charts), params.size, density);
     }
-    if (params.size > 0) {
-        if (pack(charts, asked, params.size).empty()) {
-            const double most = densestFor(charts, area, params.size);
-            throwUsage(
-                "--size {}: too small for {} texels a metre; ask for at most {:.3g}, or for a "
-                "larger size",
-                params.size, asked, most);
-        }
-        return {params.size, asked};
-    }
-    for (int size = 64; size <= kLargestAtlas; size *= 2) {
+    constexpr int kLeastMade = 64;
+    const int largest = params.size > 0 ? params.size : kLargestAtlas;
+    for (int size = params.size > 0 ? params.size : kLeastMade; size <= largest; size *= 2) {
         if (!pack(charts, asked, size).empty()) {
-            return {size, asked};
+            return onOnePage(std::move(charts), size, asked);
         }
     }
-    throwUsage("--texels-per-metre {}: takes more than {} x {} texels; ask for at most {:.3g}",
-               asked, kLargestAtlas, kLargestAtlas, densestFor(charts, area, kLargestAtlas));
+    return onPages(scene, largest, asked);
 }
 
 // The first triangle whose coordinates lie outside of the unit square or have no area.
@@ -209,11 +270,11 @@ void numberCharts(const Scene& scene, Atlas& atlas) {
     }
 }
 
-void checkTexels(int size) {
+void checkTexels(const Atlas& atlas) {
     constexpr uint64_t kBytesPerTexel = 256;  // receivers, their index, sums, images
-    const auto side = static_cast<uint64_t>(size);
-    checkMemory({.bytes = kBytesPerTexel * side * side},
-                fmt::format("a lightmap of {} x {} texels", size, size),
+    checkMemory({.bytes = kBytesPerTexel * static_cast<uint64_t>(atlas.size) *
+                          static_cast<uint64_t>(atlas.height())},
+                fmt::format("a lightmap of {} x {} texels", atlas.size, atlas.height()),
                 "ask for a smaller --size or fewer --texels-per-metre");
 }
 
@@ -226,6 +287,7 @@ Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& wh
     }
     Atlas atlas;
     atlas.of_file = true;
+    atlas.page_of.assign(scene.triangles.size(), 0);
     atlas.size = params.size;
     if (params.texels_per_metre > 0.0f) {
         double in_scene = 0.0, in_square = 0.0;
@@ -244,7 +306,7 @@ Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& wh
         atlas.size = params.size > 0 ? params.size
                                      : std::max(static_cast<int>(std::ceil(side)), kLeastAtlas);
     }
-    checkTexels(atlas.size);
+    checkTexels(atlas);
     const auto scale = static_cast<float>(atlas.size);
     for (const uvec3& t : scene.triangles) {
         atlas.corners.push_back({scale * scene.second_uvs[t.x], scale * scene.second_uvs[t.y],
@@ -259,29 +321,28 @@ Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& wh
 }
 
 Atlas makeAtlas(const Scene& scene, const AtlasParams& params) {
-    const std::vector<UvChart> charts = makeCharts(scene);
-    double area = 0.0;
-    for (const uvec3& t : scene.triangles) {
-        area += areaOf(scene, t);
-    }
-    const Packing packing = choosePacking(charts, area, params);
-    checkTexels(packing.size);
-    const std::vector<ivec2> places = pack(charts, packing.density, packing.size);
+    const Packing packing = choosePacking(scene, params);
+    const std::vector<UvChart>& charts = packing.charts;
     Atlas atlas;
     atlas.size = packing.size;
+    atlas.pages = packing.page_of.back() + 1;
     atlas.charts = static_cast<int>(charts.size());
+    checkTexels(atlas);
     atlas.corners.resize(scene.triangles.size());
     atlas.chart_of.resize(scene.triangles.size());
+    atlas.page_of.resize(scene.triangles.size());
     for (size_t i = 0; i < charts.size(); ++i) {
         const glm::dvec2 scale =
             glm::dvec2(texelsOf(charts[i], packing.density)) /
             glm::max(charts[i].extent, glm::dvec2(std::numeric_limits<float>::min()));
+        const ivec2 place = packing.places[i] + ivec2(0, packing.page_of[i] * packing.size);
         for (size_t k = 0; k < charts[i].triangles.size(); ++k) {
             const uint32_t triangle = charts[i].triangles[k];
             atlas.chart_of[triangle] = static_cast<uint32_t>(i);
+            atlas.page_of[triangle] = packing.page_of[i];
             for (size_t c = 0; c < 3; ++c) {
                 atlas.corners[triangle][c] =
-                    vec2(glm::dvec2(places[i]) + scale * charts[i].corners[k][c]);
+                    vec2(glm::dvec2(place) + scale * charts[i].corners[k][c]);
             }
         }
     }

@@ -1,6 +1,6 @@
 // Where in a lightmap each triangle lies: the coordinates that the file has, or charts made for it.
 // Charts are pieces of surface that face about one way, unfolded onto the plane that they face, and
-// packed side by side.
+// packed side by side, on several pages where one is too small.
 #pragma once
 
 #include <algorithm>
@@ -8,12 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "image/image.h"
 #include "scene/scene.h"
 
 namespace sheen {
 
 struct AtlasParams {
-    int size = 0;  ///< texels along each side; 0: the least that the density asks for
+    /// Texels along each side of a page; 0: the least that the density asks for.
+    int size = 0;
     float texels_per_metre = 0.0f;  ///< scene units; 0: as many as the size holds
 };
 
@@ -24,21 +26,39 @@ constexpr int kLargestAtlas = 8192;
 constexpr int kPadding = 1;
 
 struct Atlas {
-    int size = 0;  ///< texels along each side
+    int size = 0;   ///< texels along each side of a page
+    int pages = 1;  ///< one below the other: texels are `size` wide and `height()` high
     /// [triangle]: where its corners lie, in texels from the top left; texel (x, y) reaches from x
-    /// to x + 1.
+    /// to x + 1. All of a chart is on one page.
     std::vector<std::array<vec2, 3>> corners;
     std::vector<uint32_t> chart_of;  ///< [triangle]
+    std::vector<int> page_of;        ///< likewise
     int charts = 0;
-    bool of_file = false;  ///< the file's own coordinates
+    bool of_file = false;  ///< the file's own coordinates; one page
+
+    int height() const { return size * pages; }
 };
+
+/// What a page holds of an image of all texels; of an empty one, nothing.
+template <class T>
+Image<T> pageOf(const Atlas& atlas, const Image<T>& image, int page) {
+    if (image.empty()) {
+        return {};
+    }
+    Image<T> own(atlas.size, atlas.size);
+    const auto count = static_cast<std::ptrdiff_t>(own.pixels.size());
+    std::copy_n(image.pixels.begin() + page * count, count, own.pixels.begin());
+    return own;
+}
 
 /// By the scene's second texture coordinates. Where they will not do, `why` says so, and the result
 /// is empty: none, outside of the unit square, no area where the triangle has some, two triangles
 /// over one texel's middle, more texels than the atlas may have for those asked for.
 Atlas atlasOfFile(const Scene& scene, const AtlasParams& params, std::string& why);
 
-/// By charts of its own. Usage error where they do not fit: it says how many texels would.
+/// By charts of its own: on one page of the size asked for, or of up to kLargestAtlas; at a density
+/// asked for, on as many pages as that takes, those of a primitive on few. Usage error where they
+/// do not fit: it says what would.
 Atlas makeAtlas(const Scene& scene, const AtlasParams& params);
 
 /// The first where it will do, else the second and a warning why.

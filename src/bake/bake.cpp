@@ -193,6 +193,21 @@ void bakeByPaths(const Tracer& tracer, const Lightmap& map, const BakeParams& pa
 
 }  // namespace
 
+Baked pageOf(const Atlas& atlas, const Baked& baked, int page) {
+    Baked own{.frame = {}, .sh = {}, .stats = baked.stats};
+    const Frame& from = baked.frame;
+    own.frame.direct = pageOf(atlas, from.direct, page);
+    own.frame.indirect = pageOf(atlas, from.indirect, page);
+    own.frame.direct_variance = pageOf(atlas, from.direct_variance, page);
+    own.frame.indirect_variance = pageOf(atlas, from.indirect_variance, page);
+    own.frame.primitive = pageOf(atlas, from.primitive, page);
+    own.frame.coverage = pageOf(atlas, from.coverage, page);
+    for (const Image<vec3>& coefficient : baked.sh) {
+        own.sh.push_back(pageOf(atlas, coefficient, page));
+    }
+    return own;
+}
+
 Baked gatherLight(const Tracer& tracer, const Receivers& given, const BakeParams& params,
                   const RankedJob& job) {
     const Scene& scene = tracer.scene();
@@ -228,7 +243,6 @@ void serveBake(const Tracer& tracer, const BakeParams& params, const RankedJob& 
 
 Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
            const RankedJob& job) {
-    const int size = map.atlas.size;
     Baked baked;
     switch (params.method) {
         case BakeMethod::kRecords:
@@ -248,14 +262,14 @@ Baked bake(const Tracer& tracer, const Lightmap& map, const BakeParams& params,
             break;
     }
     baked.frame.primitive = map.triangles;
-    baked.frame.coverage = Image<float>(size, size);
+    baked.frame.coverage = Image<float>(map.atlas.size, map.atlas.height());
     for (size_t i = 0; i < map.triangles.pixels.size(); ++i) {
         const bool own = map.receivers.seen(i);
         baked.frame.primitive.pixels[i] = own ? map.triangles.pixels[i] : kNoPrimitive;
         baked.frame.coverage.pixels[i] = own ? 1.0f : 0.0f;
     }
     if (baked.frame.direct.empty()) {
-        baked.frame.direct = Image<vec3>(size, size);
+        baked.frame.direct = Image<vec3>(map.atlas.size, map.atlas.height());
     }
     dilate(map, baked.frame.direct);
     dilate(map, baked.frame.indirect);

@@ -55,6 +55,9 @@ struct Baked {
     BakeStats stats;
 };
 
+/// What a page of the atlas has of it.
+Baked pageOf(const Atlas& atlas, const Baked& baked, int page);
+
 /// The light of receivers of a lightmap's kind (texels.h), by records or at each: the layers
 /// direct, unless only the indirect is asked for, and indirect, and `sh` where it is asked for. Of
 /// a shared job on the first rank; the others serve it (serveBake()).

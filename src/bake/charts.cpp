@@ -1,14 +1,14 @@
 #include "bake/charts.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
-#include <unordered_map>
+#include <optional>
+#include <utility>
 
 #include "bake/atlas.h"
+#include "bake/flat.h"
 #include "core/directions.h"
 
 namespace sheen {
@@ -16,197 +16,15 @@ namespace {
 
 using glm::dvec2;
 
-using Corners = std::array<dvec2, 3>;
-
 // Of the chart's first triangle and any other: texels are then a quarter longer at the most than
-// they are wide.
+// they are wide. Of what is unrolled, of neighbours.
 constexpr float kLeastCosine = 0.8f;
-// Triangles may reach into each other by so much of the longer side of the rectangle around the
-// smaller one: rounding.
-constexpr double kAlmostTouch = 1e-5;
-
-// By how much two triangles reach into each other along the edges' normals of the first.
-double reachInto(const Corners& a, const Corners& b) {
-    const double turn = cross(a[1] - a[0], a[2] - a[0]) < 0.0 ? -1.0 : 1.0;
-    double least = kInfinity;
-    for (size_t i = 0; i < 3; ++i) {
-        const dvec2 edge = a[(i + 1) % 3] - a[i];
-        const dvec2 inward = turn * dvec2(-edge.y, edge.x) / glm::length(edge);
-        double most = -kInfinity;
-        for (const dvec2& p : b) {
-            most = std::max(most, glm::dot(p - a[i], inward));
-        }
-        least = std::min(least, most);
-    }
-    return least;
-}
-
-struct Box {
-    dvec2 lower, upper;
-
-    explicit Box(const Corners& c)
-        : lower(glm::min(glm::min(c[0], c[1]), c[2])),
-          upper(glm::max(glm::max(c[0], c[1]), c[2])) {}
-    double side() const { return std::max(upper.x - lower.x, upper.y - lower.y); }
-    bool meets(const Box& other) const {
-        return lower.x < other.upper.x && other.lower.x < upper.x && lower.y < other.upper.y &&
-               other.lower.y < upper.y;
-    }
-};
-
-bool overlap(const Corners& a, const Corners& b) {
-    const Box around_a(a), around_b(b);
-    if (!around_a.meets(around_b)) {
-        return false;
-    }
-    const double touch = kAlmostTouch * std::min(around_a.side(), around_b.side());
-    return reachInto(a, b) > touch && reachInto(b, a) > touch;
-}
-
-// Triangles of a chart as they are laid flat, found by where they lie. Each is kept in a grid whose
-// cells are as large as itself, within a factor of two, so that it lies in four of them at the
-// most: however sizes differ, none fills many cells, and no cell holds many of much less than its
-// size.
-class Flat {
-  public:
-    bool free(const Corners& c) const {
-        const Box box(c);
-        for (const auto& [level, grid] : grids_) {
-            if (!free(c, cellsOf(box, level), grid)) {
-                return false;
-            }
-        }
-        return true;
-    }
-    void add(const Corners& c) {
-        const Box box(c);
-        const int level = levelOf(box);
-        const auto index = static_cast<uint32_t>(placed_.size());
-        Grid& grid = grids_[level];
-        grid.all.push_back(index);
-        const Cells cells = cellsOf(box, level);
-        for (int64_t y = cells.lower[1]; y <= cells.upper[1]; ++y) {
-            for (int64_t x = cells.lower[0]; x <= cells.upper[0]; ++x) {
-                grid.cells[keyOf(x, y)].push_back(index);
-            }
-        }
-        placed_.push_back(c);
-    }
-
-  private:
-    struct Grid {
-        std::vector<uint32_t> all;
-        std::unordered_map<int64_t, std::vector<uint32_t>> cells;
-    };
-    struct Cells {
-        std::array<int64_t, 2> lower, upper;
-        double count() const {
-            return static_cast<double>(upper[0] - lower[0] + 1) *
-                   static_cast<double>(upper[1] - lower[1] + 1);
-        }
-    };
-
-    static int levelOf(const Box& box) {
-        return std::ilogb(std::max(box.side(), std::numeric_limits<double>::min())) + 1;
-    }
-    static Cells cellsOf(const Box& box, int level) {
-        constexpr double kFarthest = 1e9;
-        const double cell = std::ldexp(1.0, level);
-        const auto at = [&](double v) {
-            return static_cast<int64_t>(std::floor(glm::clamp(v / cell, -kFarthest, kFarthest)));
-        };
-        return {{at(box.lower.x), at(box.lower.y)}, {at(box.upper.x), at(box.upper.y)}};
-    }
-    static int64_t keyOf(int64_t x, int64_t y) { return y * (int64_t{1} << 32) + x; }
-
-    bool free(const Corners& c, const std::vector<uint32_t>& others) const {
-        return std::none_of(others.begin(), others.end(),
-                            [&](uint32_t i) { return overlap(c, placed_[i]); });
-    }
-    bool free(const Corners& c, const Cells& cells, const Grid& grid) const {
-        if (cells.count() > static_cast<double>(grid.all.size()) + 4.0) {
-            return free(c, grid.all);  // it is larger than all that is there together
-        }
-        for (int64_t y = cells.lower[1]; y <= cells.upper[1]; ++y) {
-            for (int64_t x = cells.lower[0]; x <= cells.upper[0]; ++x) {
-                const auto found = grid.cells.find(keyOf(x, y));
-                if (found != grid.cells.end() && !free(c, found->second)) {
-                    return false;
-                }
-            }
-        }
-        return true;
-    }
-
-    std::vector<Corners> placed_;
-    std::map<int, Grid> grids_;  // by the cells' size: a power of two
-};
-
-struct Grower {
-    const Scene& scene;
-    std::vector<uint32_t> places;
-    std::vector<vec3> normals;
-    std::vector<float> areas;
-    std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> around;  // triangles at an edge
-    std::vector<bool> taken;
-
-    explicit Grower(const Scene& scene_) : scene(scene_), places(placesOf(scene_)) {
-        const size_t count = scene.triangles.size();
-        taken.resize(count);
-        for (uint32_t i = 0; i < count; ++i) {
-            const uvec3& t = scene.triangles[i];
-            normals.push_back(geometricNormal(scene, static_cast<int>(i)));
-            areas.push_back(0.5f *
-                            glm::length(glm::cross(scene.positions[t.y] - scene.positions[t.x],
-                                                   scene.positions[t.z] - scene.positions[t.x])));
-            for (int c = 0; c < 3; ++c) {
-                around[edge(i, c)].push_back(i);
-            }
-        }
-    }
-    std::pair<uint32_t, uint32_t> edge(uint32_t triangle, int c) const {
-        const uvec3& t = scene.triangles[triangle];
-        return std::minmax({places[t[c]], places[t[(c + 1) % 3]]});
-    }
-    Corners flat(uint32_t triangle, const mat3& frame) const {
-        Corners c;
-        for (size_t k = 0; k < 3; ++k) {
-            const dvec3 p(scene.positions[scene.triangles[triangle][static_cast<int>(k)]]);
-            c[k] = dvec2(glm::dot(p, dvec3(frame[0])), glm::dot(p, dvec3(frame[1])));
-        }
-        return c;
-    }
-
-    // From a triangle on, breadth first.
-    UvChart grow(uint32_t first) {
-        const mat3 frame = tangentFrame(normals[first]);
-        UvChart chart;
-        const auto add = [&](uint32_t i, const Corners& c) {
-            taken[i] = true;
-            chart.triangles.push_back(i);
-            chart.corners.push_back(c);
-        };
-        const Corners own = flat(first, frame);
-        Flat laid;
-        laid.add(own);
-        add(first, own);
-        for (size_t at = 0; at < chart.triangles.size(); ++at) {
-            for (int c = 0; c < 3; ++c) {
-                for (const uint32_t next : around[edge(chart.triangles[at], c)]) {
-                    if (taken[next] || glm::dot(normals[next], normals[first]) < kLeastCosine) {
-                        continue;
-                    }
-                    const Corners corners = flat(next, frame);
-                    if (laid.free(corners)) {
-                        laid.add(corners);
-                        add(next, corners);
-                    }
-                }
-            }
-        }
-        return chart;
-    }
-};
+// Of what is unrolled: the sine of normals above the plane across the axis, and the least one
+// between the two normals that tell the axis.
+constexpr float kMostTilt = 0.03f;
+constexpr float kLeastTurn = 0.01f;
+// As many times as much surface as a flat chart holds is worth unrolling.
+constexpr double kWorthUnrolling = 2.0;
 
 // Counter-clockwise; by Andrew's monotone chain.
 std::vector<dvec2> convexHull(std::vector<dvec2> points) {
@@ -231,8 +49,8 @@ std::vector<dvec2> convexHull(std::vector<dvec2> points) {
 }
 
 // Turned so that the rectangle around it is as small as it may be: one of the hull's edges lies
-// along it.
-void turn(UvChart& chart) {
+// along it. Where none of these is within the largest side, it stays as it was laid.
+void turn(UvChart& chart, double largest) {
     std::vector<dvec2> points;
     for (const Corners& c : chart.corners) {
         points.insert(points.end(), c.begin(), c.end());
@@ -240,25 +58,30 @@ void turn(UvChart& chart) {
     const std::vector<dvec2> hull = convexHull(std::move(points));
     double least = kInfinity;
     dvec2 best_along(1.0, 0.0), best_lower(0.0);
-    for (size_t i = 0; i < hull.size(); ++i) {
-        const dvec2 edge = hull[(i + 1) % hull.size()] - hull[i];
-        if (!(glm::length(edge) > 0.0)) {
-            continue;
-        }
-        const dvec2 along = glm::normalize(edge);
+    const auto offer = [&](const dvec2& along, double beyond) {
         dvec2 lower(kInfinity), upper(-kInfinity);
         for (const dvec2& p : hull) {
             const dvec2 q(glm::dot(p, along), cross(along, p));
             lower = glm::min(lower, q);
             upper = glm::max(upper, q);
         }
-        const double area = (upper.x - lower.x) * (upper.y - lower.y);
-        if (area < least * (1.0 - 1e-9)) {
+        const dvec2 extent = upper - lower;
+        const double area = extent.x * extent.y;
+        if (std::max(extent.x, extent.y) <= beyond && area < least * (1.0 - 1e-9)) {
             least = area;
             best_along = along;
             best_lower = lower;
-            chart.extent = upper - lower;
+            chart.extent = extent;
         }
+    };
+    for (size_t i = 0; i < hull.size(); ++i) {
+        const dvec2 edge = hull[(i + 1) % hull.size()] - hull[i];
+        if (glm::length(edge) > 0.0) {
+            offer(glm::normalize(edge), largest);
+        }
+    }
+    if (least == kInfinity) {
+        offer(best_along, kInfinity);
     }
     for (Corners& c : chart.corners) {
         for (dvec2& p : c) {
@@ -266,6 +89,169 @@ void turn(UvChart& chart) {
         }
     }
 }
+
+struct Grower {
+    const Scene& scene;
+    std::vector<uint32_t> places;
+    std::vector<vec3> normals;
+    std::vector<float> areas;
+    std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> around;  // triangles at an edge
+    std::vector<bool> taken;
+    double longest = 0.0;  // of what is unrolled: the side of a square of all surface
+
+    explicit Grower(const Scene& scene_) : scene(scene_), places(placesOf(scene_)) {
+        const size_t count = scene.triangles.size();
+        taken.resize(count);
+        for (uint32_t i = 0; i < count; ++i) {
+            const uvec3& t = scene.triangles[i];
+            normals.push_back(geometricNormal(scene, static_cast<int>(i)));
+            areas.push_back(0.5f *
+                            glm::length(glm::cross(scene.positions[t.y] - scene.positions[t.x],
+                                                   scene.positions[t.z] - scene.positions[t.x])));
+            for (int c = 0; c < 3; ++c) {
+                around[edge(i, c)].push_back(i);
+            }
+            longest += areas.back();
+        }
+        longest = std::sqrt(longest);
+    }
+    std::pair<uint32_t, uint32_t> edge(uint32_t triangle, int c) const {
+        const uvec3& t = scene.triangles[triangle];
+        return std::minmax({places[t[c]], places[t[(c + 1) % 3]]});
+    }
+    Corners flat(uint32_t triangle, const mat3& frame) const {
+        Corners c;
+        for (size_t k = 0; k < 3; ++k) {
+            const dvec3 p(scene.positions[scene.triangles[triangle][static_cast<int>(k)]]);
+            c[k] = dvec2(glm::dot(p, dvec3(frame[0])), glm::dot(p, dvec3(frame[1])));
+        }
+        return c;
+    }
+
+    // From a triangle on, breadth first, as far as a square of that side reaches: neighbours that
+    // place(at, edge, next) has corners for. What it takes is taken.
+    template <class Place>
+    UvChart grow(uint32_t first, const Corners& own, double largest, const Place& place) {
+        UvChart chart;
+        Flat laid;
+        FlatBox around_all(own);
+        const auto add = [&](uint32_t i, const Corners& c) {
+            taken[i] = true;
+            laid.add(c);
+            chart.triangles.push_back(i);
+            chart.corners.push_back(c);
+        };
+        add(first, own);
+        for (size_t at = 0; at < chart.triangles.size(); ++at) {
+            for (int c = 0; c < 3; ++c) {
+                for (const uint32_t next : around[edge(chart.triangles[at], c)]) {
+                    if (taken[next]) {
+                        continue;
+                    }
+                    const std::optional<Corners> corners = place(chart, at, c, next);
+                    if (!corners) {
+                        continue;
+                    }
+                    const FlatBox grown = around_all.with(FlatBox(*corners));
+                    if (grown.side() <= largest && laid.free(*corners)) {
+                        around_all = grown;
+                        add(next, *corners);
+                    }
+                }
+            }
+        }
+        return chart;
+    }
+
+    // What faces about one way, projected onto the plane that the first triangle faces.
+    UvChart growFlat(uint32_t first, double largest) {
+        const mat3 frame = tangentFrame(normals[first]);
+        return grow(first, flat(first, frame), largest,
+                    [&](const UvChart&, size_t, int, uint32_t next) -> std::optional<Corners> {
+                        if (glm::dot(normals[next], normals[first]) < kLeastCosine) {
+                            return std::nullopt;
+                        }
+                        return flat(next, frame);
+                    });
+    }
+
+    // What curves about one axis, unrolled: each triangle is turned into the plane about the edge
+    // by which it is reached, and keeps its shape.
+    UvChart growUnrolled(uint32_t first, const vec3& axis, double largest) {
+        const mat3 frame(glm::cross(axis, normals[first]), axis, normals[first]);
+        return grow(
+            first, flat(first, frame), largest,
+            [&](const UvChart& chart, size_t at, int c, uint32_t next) -> std::optional<Corners> {
+                const vec3& n = normals[next];
+                const bool curves = std::abs(glm::dot(n, axis)) <= kMostTilt &&
+                                    glm::dot(n, normals[chart.triangles[at]]) >= kLeastCosine;
+                return curves ? unfolded(chart, at, c, next) : std::nullopt;
+            });
+    }
+    // A neighbour across edge c of a triangle of the chart; none where it is wound the other way.
+    std::optional<Corners> unfolded(const UvChart& chart, size_t at, int c, uint32_t next) const {
+        const uvec3& own = scene.triangles[chart.triangles[at]];
+        const uvec3& t = scene.triangles[next];
+        const auto begin = static_cast<size_t>(c), end = (begin + 1) % 3;
+        for (int k = 0; k < 3; ++k) {
+            const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            if (places[t[k]] != places[own[(c + 1) % 3]] || places[t[k1]] != places[own[c]]) {
+                continue;
+            }
+            const dvec3 p(scene.positions[t[k]]);
+            const dvec3 edge = dvec3(scene.positions[t[k1]]) - p;
+            const dvec3 way = dvec3(scene.positions[t[k2]]) - p;
+            const dvec2 flat_p = chart.corners[at][end], flat_q = chart.corners[at][begin];
+            const dvec2 flat_edge = flat_q - flat_p, left(-flat_edge.y, flat_edge.x);
+            const double length2 = glm::dot(edge, edge);
+            Corners corners;
+            corners[static_cast<size_t>(k)] = flat_p;
+            corners[static_cast<size_t>(k1)] = flat_q;
+            corners[static_cast<size_t>(k2)] = flat_p + glm::dot(way, edge) / length2 * flat_edge +
+                                               glm::length(glm::cross(edge, way)) / length2 * left;
+            return corners;
+        }
+        return std::nullopt;
+    }
+    // Axes about which the surface may curve at a triangle: by its neighbours' normals.
+    std::vector<vec3> axesAt(uint32_t first) const {
+        std::vector<vec3> axes;
+        for (int c = 0; c < 3; ++c) {
+            for (const uint32_t next : around.at(edge(first, c))) {
+                const vec3 axis = glm::cross(normals[first], normals[next]);
+                if (!taken[next] && glm::length(axis) > kLeastTurn &&
+                    glm::dot(normals[first], normals[next]) >= kLeastCosine) {
+                    axes.push_back(glm::normalize(axis));
+                }
+            }
+        }
+        return axes;
+    }
+    double areaOf(const UvChart& chart) const {
+        return std::accumulate(chart.triangles.begin(), chart.triangles.end(), 0.0,
+                               [&](double sum, uint32_t i) { return sum + areas[i]; });
+    }
+    void take(const UvChart& chart, bool whether) {
+        for (const uint32_t i : chart.triangles) {
+            taken[i] = whether;
+        }
+    }
+    // Flat, or unrolled where that holds much more.
+    UvChart grow(uint32_t first, double largest) {
+        UvChart best = growFlat(first, largest);
+        take(best, false);
+        for (const vec3& axis : axesAt(first)) {
+            UvChart unrolled = growUnrolled(first, axis, std::min(largest, longest));
+            take(unrolled, false);
+            if (areaOf(unrolled) > kWorthUnrolling * areaOf(best)) {
+                best = std::move(unrolled);
+            }
+        }
+        take(best, true);
+        turn(best, largest);
+        return best;
+    }
+};
 
 }  // namespace
 
@@ -286,7 +272,7 @@ std::vector<uint32_t> placesOf(const Scene& scene) {
     return places;
 }
 
-std::vector<UvChart> makeCharts(const Scene& scene) {
+std::vector<UvChart> makeCharts(const Scene& scene, double largest) {
     Grower grower(scene);
     std::vector<uint32_t> order(scene.triangles.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -295,8 +281,7 @@ std::vector<UvChart> makeCharts(const Scene& scene) {
     std::vector<UvChart> charts;
     for (const uint32_t i : order) {
         if (!grower.taken[i]) {
-            charts.push_back(grower.grow(i));
-            turn(charts.back());
+            charts.push_back(grower.grow(i, largest));
         }
     }
     return charts;

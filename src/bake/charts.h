@@ -1,5 +1,5 @@
-// Charts: pieces of surface that can be laid flat, grown greedily from the largest triangle on, by
-// normals alone.
+// Charts: pieces of surface that can be laid flat or unrolled, grown greedily from the largest
+// triangle on, by normals alone.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace sheen {
 
-/// Triangles that share edges, face about one way, and do not lie above each other as seen from
-/// there.
+/// Triangles that share edges, and face about one way, projected onto a plane, or curve about one
+/// axis, unrolled. None lies over another.
 struct UvChart {
     std::vector<uint32_t> triangles;
     std::vector<std::array<glm::dvec2, 3>>
@@ -18,8 +18,9 @@ struct UvChart {
     glm::dvec2 extent{0.0};
 };
 
-/// All triangles, each in one chart.
-std::vector<UvChart> makeCharts(const Scene& scene);
+/// All triangles, each in one chart, no longer or wider than `largest`, scene units, but for single
+/// triangles that are.
+std::vector<UvChart> makeCharts(const Scene& scene, double largest = kInfinity);
 
 /// Numbers of the places that vertices stand at: the same for those of the same place.
 std::vector<uint32_t> placesOf(const Scene& scene);

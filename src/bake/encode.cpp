@@ -54,7 +54,12 @@ EncodedLight encodeIrradiance(const Lightmap& map, const Image<vec3>& irradiance
     for (vec3& c : scaled.pixels) {
         c /= static_cast<float>(intensity);
     }
-    return {pngBytes(bytesFromDisplay(scaled)), static_cast<float>(intensity)};
+    const Image<Rgb8> bytes = bytesFromDisplay(scaled);
+    EncodedLight encoded{.pngs = {}, .intensity = static_cast<float>(intensity)};
+    for (int page = 0; page < map.atlas.pages; ++page) {
+        encoded.pngs.push_back(pngBytes(pageOf(map.atlas, bytes, page)));
+    }
+    return encoded;
 }
 
 EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<vec3>& irradiance) {
@@ -93,7 +98,30 @@ EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<ve
     const Image<Rgb8> colors = displayImage(radiance, std::nullopt, toSrgb(ToneCurve::kNone));
     const bool opaque =
         std::all_of(alpha.pixels.begin(), alpha.pixels.end(), [](float a) { return a == 1.0f; });
-    return {opaque ? pngBytes(colors) : pngBytes(colors, alpha), 1.0f};
+    EncodedLight encoded;
+    for (int page = 0; page < map.atlas.pages; ++page) {
+        const Image<Rgb8> own = pageOf(map.atlas, colors, page);
+        encoded.pngs.push_back(opaque ? pngBytes(own)
+                                      : pngBytes(own, pageOf(map.atlas, alpha, page)));
+    }
+    return encoded;
+}
+
+LightmapFile lightmapFileOf(const std::string& source, const Atlas& atlas) {
+    const auto size = static_cast<float>(atlas.size);
+    LightmapFile file;
+    file.source = source;
+    file.corners = atlas.corners;
+    file.page_of = atlas.page_of;
+    file.of_file = atlas.of_file;
+    file.pngs.resize(static_cast<size_t>(atlas.pages));
+    for (size_t i = 0; i < file.corners.size(); ++i) {
+        for (vec2& corner : file.corners[i]) {
+            corner.y -= size * static_cast<float>(file.page_of[i]);
+            corner /= size;
+        }
+    }
+    return file;
 }
 
 }  // namespace sheen

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "bake/bake.h"
+#include "scene/lightmap_file.h"
 
 namespace sheen {
 
-/// A PNG image's bytes, and what 1 in it stands for.
+/// PNG images' bytes, one a page, and what 1 in them stands for.
 struct EncodedLight {
-    std::string png;
+    std::vector<std::string> pngs;
     float intensity = 1.0f;
 };
 
@@ -22,5 +24,8 @@ EncodedLight encodeIrradiance(const Lightmap& map, const Image<vec3>& irradiance
 /// render is and clipped; what they and their coats would mirror is spread over all directions.
 /// Alpha is that of the material.
 EncodedLight encodeUnlit(const Scene& scene, const Lightmap& map, const Image<vec3>& irradiance);
+
+/// Where a scene's triangles lie in its file, which has no images yet: `source` as it was loaded.
+LightmapFile lightmapFileOf(const std::string& source, const Atlas& atlas);
 
 }  // namespace sheen

@@ -94,11 +94,11 @@ struct Maker {
 
     // The triangle of each texel: that whose point is nearest to the middle.
     void cover() {
-        const int size = map.atlas.size;
-        map.triangles = Image<uint32_t>(size, size, kNoPrimitive);
+        const int width = map.atlas.size, height = map.atlas.height();
+        map.triangles = Image<uint32_t>(width, height, kNoPrimitive);
         distances.assign(map.triangles.pixels.size(), kInfinity);
-        const auto texel = [&](double v) {
-            return glm::clamp(static_cast<int>(std::floor(v)), 0, size - 1);
+        const auto texel = [](double v, int count) {
+            return glm::clamp(static_cast<int>(std::floor(v)), 0, count - 1);
         };
         for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
             const FlatTriangle flat(map.atlas.corners[i]);
@@ -106,11 +106,12 @@ struct Maker {
                 continue;
             }
             const std::array<vec2, 3>& c = map.atlas.corners[i];
-            const int first = texel(std::min({c[0].y, c[1].y, c[2].y}));
-            const int last = texel(std::max({c[0].y, c[1].y, c[2].y}));
+            const int first = texel(std::min({c[0].y, c[1].y, c[2].y}), height);
+            const int last = texel(std::max({c[0].y, c[1].y, c[2].y}), height);
             for (int y = first; y <= last; ++y) {
                 const dvec2 span = rowSpan(c, y);
-                for (int x = texel(span.x); span.x <= span.y && x <= texel(span.y); ++x) {
+                for (int x = texel(span.x, width); span.x <= span.y && x <= texel(span.y, width);
+                     ++x) {
                     offer(i, flat, x, y);
                 }
             }
@@ -180,11 +181,11 @@ struct Maker {
 
     void place() {
         const size_t count = map.triangles.pixels.size();
-        map.receivers = unseenReceivers(map.atlas.size, map.atlas.size);
+        map.receivers = unseenReceivers(map.atlas.size, map.atlas.height());
         const Receivers& r = map.receivers;
         const Solids solids(tracer);
         std::vector<uint8_t> pushed(count);
-        parallelFor(map.atlas.size, [&](int y) {
+        parallelFor(map.atlas.height(), [&](int y) {
             const auto first = static_cast<size_t>(y) * static_cast<size_t>(map.atlas.size);
             for (size_t i = first; i < first + static_cast<size_t>(map.atlas.size); ++i) {
                 bool is_pushed = false;

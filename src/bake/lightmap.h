@@ -12,7 +12,8 @@ namespace sheen {
 
 struct Lightmap {
     Atlas atlas;
-    /// [texel], row by row: those without a triangle, and those that are buried, are not seen().
+    /// [texel], row by row and page by page: those without a triangle, and those that are buried,
+    /// are not seen().
     Receivers receivers;
     /// That the texel belongs to, buried or not; kNoPrimitive: to none.
     Image<uint32_t> triangles;

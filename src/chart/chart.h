@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "chart/benches.h"
 #include "chart/measurement.h"
 #include "chart/methods.h"
-#include "chart/sequences.h"
 #include "metrics/compare.h"
 #include "scene/environment.h"
 
@@ -74,6 +74,7 @@ struct Chart {
     std::vector<SweepMethod> methods;
     std::vector<ChartScene> scenes;
     std::optional<Sequences> sequences = {};  ///< measured before, elsewhere
+    std::optional<Bakes> bakes = {};          ///< likewise
 };
 
 /// Renders references and runs of points that the folder does not hold yet, then judges all points.

@@ -111,19 +111,6 @@ Json sceneJson(const ChartScene& scene) {
     return json;
 }
 
-Json sequencesJson(const Sequences& sequences) {
-    Json json = {{"measured", sequences.measured}, {"points", Json::array()}};
-    for (const SequencePoint& point : sequences.points) {
-        json["points"].push_back({{"scene", point.scene},
-                                  {"method", point.method},
-                                  {"error", point.error},
-                                  {"flicker", point.flicker},
-                                  {"resolution", point.resolution},
-                                  {"seconds", point.seconds}});
-    }
-    return json;
-}
-
 Json figures(const Chart& chart) {
     Json json = {{"program", "sheen " + chart.host.version},
                  {"build", chart.host.build},
@@ -141,7 +128,8 @@ Json figures(const Chart& chart) {
     for (const ChartScene& scene : chart.scenes) {
         json["scenes"].push_back(sceneJson(scene));
     }
-    json["sequences"] = chart.sequences ? sequencesJson(*chart.sequences) : Json();
+    json["sequences"] = jsonOf(chart.sequences);
+    json["bakes"] = jsonOf(chart.bakes);
     return json;
 }
 
@@ -271,6 +259,7 @@ std::string chartHtml(const Chart& chart) {
         {"library", [] { return std::string(embeddedText("chart.min.js")); }},
         {"program", [] { return std::string(embeddedText("report.js")); }},
         {"tables", [] { return std::string(embeddedText("report_tables.js")); }},
+        {"benches", [] { return std::string(embeddedText("report_benches.js")); }},
         {"data", [&chart] { return pageData(chart); }}};
     // One pass, so that nothing that is put in is searched for marks.
     std::string html;

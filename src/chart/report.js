@@ -1,6 +1,6 @@
 // The page of `sheen chart`: charts of all scenes, and two points of one of them to look at.
-// Figures and images come from the JSON in #data; report.cpp writes it. report.html puts this and report_tables.js
-// into one function.
+// Figures and images come from the JSON in #data; report.cpp writes it. report.html puts this, report_tables.js and
+// report_benches.js into one function.
 const data = JSON.parse(document.getElementById('data').textContent);
 const $ = id => document.getElementById(id);
 const color = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

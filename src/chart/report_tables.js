@@ -1,5 +1,4 @@
-// The page's tables: times to equal errors, stages, all points; then all of it is drawn. After report.js, in the same
-// function.
+// The page's tables: times to equal errors, stages, all points. After report.js, in the same function.
 // The points, of those that the reference can judge, at which a method gets better than by any that
 // is as fast.
 function bestOf(scene, method) {
@@ -196,56 +195,3 @@ function drawTable() {
     else cell.removeAttribute('aria-sort');
   });
 }
-
-// Methods on scenes that move; none where the chart was made without.
-function makeSequences() {
-  if (!data.sequences) return;
-  $('sequences').hidden = false;
-  $('sequences-measured').textContent = data.sequences.measured;
-  const head = element('tr');
-  head.append(element('th', 'scene', 'text'), element('th', 'method', 'text'), element('th', 'error'),
-              element('th', 'flicker'), element('th', 'time a frame'));
-  $('sequences-table').querySelector('thead').append(head);
-  $('sequences-table').querySelector('tbody').append(...data.sequences.points.map(point => {
-    const line = element('tr');
-    const hidden = point.flicker < point.resolution;
-    line.append(element('td', point.scene, 'text'), element('td', point.method, 'text'),
-                element('td', percent(point.error)),
-                element('td', hidden ? `< ${percent(point.resolution)}` : percent(point.flicker)),
-                element('td', seconds(point.seconds)));
-    return line;
-  }));
-}
-
-function draw() {
-  $('error-meaning').textContent = MEANINGS[state.error];
-  drawPanels();
-  drawInspector();
-  drawEqual();
-  drawStages();
-  drawTable();
-}
-
-Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
-Chart.defaults.font.size = 12;
-document.body.classList.toggle('still', still);
-writeCaption();
-writeLegend();
-data.scenes.forEach(makePanel);
-makeTable();
-makeSequences();
-state.right = bestPoint(data.scenes[0]);
-draw();
-moveDivider();
-
-for (const radio of document.querySelectorAll('input[name=error]')) {
-  radio.addEventListener('change', () => { state.error = radio.value; draw(); });
-}
-for (const name of ['left', 'right']) {
-  $(name).addEventListener('change', () => { state[name] = +$(name).value; draw(); });
-}
-$('swap').addEventListener('click', () => select(state.scene, state.right, state.left));
-$('split').addEventListener('input', moveDivider);
-$('level').addEventListener('input', drawEqual);
-// Canvases do not follow the style sheet by themselves.
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', draw);

@@ -75,14 +75,30 @@ void understand(BakeOptions& o) {
     }
 }
 
+// An output's files: images of several pages are numbered from 0 on before the ending.
+std::vector<std::string> filesOf(const std::string& output, int pages) {
+    if (pages == 1 || bakedKind(output) == BakedKind::kGlb) {
+        return {output};
+    }
+    std::vector<std::string> files;
+    for (int page = 0; page < pages; ++page) {
+        const std::filesystem::path path = output;
+        files.push_back(
+            std::filesystem::path(path).replace_extension(fmt::format(".{}", page)).string() +
+            path.extension().string());
+    }
+    return files;
+}
+
 Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, const Seams& seams,
               double load, double total) {
     const BakeStats& s = baked.stats;
     const bool paths = o.params.method == BakeMethod::kReference;
     Json json = {{"scene", o.scene},
-                 {"outputs", o.outputs},
+                 {"outputs", Json::array()},
                  {"method", o.method},
                  {"size", map.atlas.size},
+                 {"pages", map.atlas.pages},
                  {"charts", map.atlas.charts},
                  {"own_coordinates", map.atlas.of_file},
                  {"texels_covered", map.covered},
@@ -91,6 +107,11 @@ Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, con
                  {"texels_at_seams", seams.texels},
                  {"change_across_seams", seams.across},
                  {"change_within_charts", seams.within}};
+    for (const std::string& output : o.outputs) {
+        for (const std::string& file : filesOf(output, map.atlas.pages)) {
+            json["outputs"].push_back(file);
+        }
+    }
     if (paths) {
         json["spp"] = s.spp;
     } else {
@@ -113,7 +134,9 @@ Json bakeJson(const BakeOptions& o, const Lightmap& map, const Baked& baked, con
 
 void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, const Seams& seams,
                double total) {
-    fmt::print("atlas       {} x {} texels, {} charts, {}\n", map.atlas.size, map.atlas.size,
+    const int pages = map.atlas.pages;
+    fmt::print("atlas       {}{} x {} texels, {} charts, {}\n",
+               pages > 1 ? fmt::format("{} pages of ", pages) : "", map.atlas.size, map.atlas.size,
                map.atlas.charts,
                map.atlas.of_file ? "by the file's coordinates" : "made for this scene");
     fmt::print("texels      {} covered, {} of them buried, {} moved out of what buries them\n",
@@ -143,45 +166,53 @@ void printBake(const BakeOptions& o, const Lightmap& map, const Baked& baked, co
 
 // The scene's file with the lightmap, which has no image yet.
 LightmapFile fileOf(const BakeOptions& o, const Lightmap& map) {
-    LightmapFile file{.source = o.scene,
-                      .corners = map.atlas.corners,
-                      .of_file = map.atlas.of_file,
-                      .png = {},
-                      .unlit = o.unlit,
-                      .lights_baked = o.unlit || !o.params.indirect_only};
-    for (std::array<vec2, 3>& corners : file.corners) {
-        for (vec2& corner : corners) {
-            corner /= static_cast<float>(map.atlas.size);
-        }
-    }
+    LightmapFile file = lightmapFileOf(o.scene, map.atlas);
+    file.unlit = o.unlit;
+    file.lights_baked = o.unlit || !o.params.indirect_only;
     return file;
 }
 
 void writeBakedScene(const BakeOptions& o, const std::string& path, const Scene& scene,
                      const Lightmap& map, const Image<vec3>& irradiance) {
     LightmapFile file = fileOf(o, map);
-    const EncodedLight encoded =
+    EncodedLight encoded =
         o.unlit ? encodeUnlit(scene, map, irradiance) : encodeIrradiance(map, irradiance);
-    file.png = encoded.png;
+    file.pngs = std::move(encoded.pngs);
     file.intensity = encoded.intensity;
     writeLightmapped(path, scene, file);
+}
+
+void checkBakeOutputs(const BakeOptions& o, const Scene& scene, int pages) {
+    std::vector<OutputFile> files{{"--json", o.json}};
+    for (const std::string& output : o.outputs) {
+        for (const std::string& file : filesOf(output, pages)) {
+            files.push_back({"-o", file});
+        }
+    }
+    checkOutputs(files, scene.files);
 }
 
 void writeOutputs(const BakeOptions& o, const Scene& scene, const Lightmap& map,
                   const Baked& baked) {
     for (const std::string& output : o.outputs) {
-        switch (bakedKind(output)) {
-            case BakedKind::kExr:
-                writeExr(output, baked.frame, ExrLayers::kBasic, {}, {}, layersOfSh(baked.sh));
-                break;
-            case BakedKind::kPng:
-                writePng(output, beauty(baked.frame), std::nullopt);
-                break;
-            case BakedKind::kGlb:
-                writeBakedScene(o, output, scene, map, beauty(baked.frame));
-                break;
-            case BakedKind::kJson:
-                break;  // of light probes alone
+        const std::vector<std::string> files = filesOf(output, map.atlas.pages);
+        for (size_t i = 0; i < files.size(); ++i) {
+            const auto page = static_cast<int>(i);
+            switch (bakedKind(output)) {
+                case BakedKind::kExr: {
+                    const Baked own = pageOf(map.atlas, baked, page);
+                    writeExr(files[i], own.frame, ExrLayers::kBasic, {}, {}, layersOfSh(own.sh));
+                    break;
+                }
+                case BakedKind::kPng:
+                    writePng(files[i], pageOf(map.atlas, beauty(baked.frame), page), std::nullopt);
+                    break;
+                case BakedKind::kGlb:
+                    writeBakedScene(o, output, scene, map, beauty(baked.frame));
+                    break;
+                case BakedKind::kJson:
+                    break;  // of light probes alone
+            }
         }
     }
 }
@@ -197,12 +228,8 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
         warn(warning);
     }
     const double load_seconds = load.seconds();
-    std::vector<OutputFile> files{{"--json", o.json}};
-    for (const std::string& output : o.outputs) {
-        files.push_back({"-o", output});
-    }
     if (ranks.first()) {
-        checkOutputs(files, scene.files);
+        checkBakeOutputs(o, scene, 1);
     }
     const Tracer tracer(scene);
     const SequenceKey key = keyOf(*o.app, scene);
@@ -225,6 +252,7 @@ ExitCode runBake(BakeOptions& o, Ranks& ranks) {
         return ExitCode::kDone;
     }
     const Lightmap map = lightmapOf(tracer, atlasOf(scene, o.atlas));
+    checkBakeOutputs(o, scene, map.atlas.pages);
     if (std::any_of(o.outputs.begin(), o.outputs.end(), [](const std::string& output) {
             return bakedKind(output) == BakedKind::kGlb;
         })) {
@@ -259,7 +287,9 @@ void addAtlasOptions(CLI::App& app, BakeOptions& o) {
         ->allow_extra_args(false)
         ->check(fileName());
     o.of_lightmaps = {
-        app.add_option("--size", o.atlas.size, "Texels along each side of the lightmap")
+        app.add_option("--size", o.atlas.size,
+                       "Texels along each side of the lightmap, of each where --texels-per-metre "
+                       "takes several")
             ->check(CLI::Range(kLeastAtlas, kLargestAtlas))
             ->default_str("512, or what --texels-per-metre asks for"),
         app.add_option("--texels-per-metre", o.atlas.texels_per_metre,

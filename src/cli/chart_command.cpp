@@ -21,7 +21,7 @@ struct ChartOptions {
     std::vector<std::string> methods;
     std::string size = "512x512";
     std::string bounces = "1";
-    std::string sequences;  // a file
+    std::string sequences, bakes;  // files
     ChartParams params;
 };
 
@@ -90,8 +90,12 @@ ExitCode runChart(const CLI::App& app, ChartOptions& o, Ranks& ranks) {
     o.params.bounces = parseBounces(o.bounces);
     o.params.methods = chooseMethods(o.methods, o.params.bounces);
     std::optional<Sequences> sequences;
+    std::optional<Bakes> bakes;
     if (!o.sequences.empty()) {
         sequences = readSequences(o.sequences);  // before anything is measured
+    }
+    if (!o.bakes.empty()) {
+        bakes = readBakes(o.bakes);
     }
     o.params.program = ownProgram();
     o.params.version = SHEEN_VERSION;
@@ -106,6 +110,7 @@ ExitCode runChart(const CLI::App& app, ChartOptions& o, Ranks& ranks) {
     }
     Chart chart = measureChart(o.params);  // what is measured is taken from the folder
     chart.sequences = std::move(sequences);
+    chart.bakes = std::move(bakes);
     writeReport(o.params.folder, chart);
     printChart(chart, o.params.folder);
     return ExitCode::kDone;
@@ -156,6 +161,11 @@ Command addChart(CLI::App& program, Ranks& ranks) {
     app->add_option("--sequences", options->sequences,
                     "Also shows how methods do on scenes that move, as bench/sequences.py --json "
                     "wrote it to this file")
+        ->type_name("FILE")
+        ->check(fileName());
+    app->add_option("--bakes", options->bakes,
+                    "Also shows how methods bake lightmaps, as bench/bake.py --json wrote it to "
+                    "this file")
         ->type_name("FILE")
         ->check(fileName());
     addGlOption(*app, p.gl);

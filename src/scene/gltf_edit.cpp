@@ -1,8 +1,11 @@
 #include "scene/gltf_edit.h"
 
 #include <algorithm>
+#include <cstring>
+#include <string_view>
 
 #include "image/atomic_file.h"
+#include "scene/gltf_parts.h"
 
 namespace sheen::gltf {
 namespace {
@@ -67,6 +70,35 @@ void dropExtension(Json& document, const char* array, const char* extension) {
     }
     eraseExtension(document, extension);
     forgetExtension(document, extension);
+}
+
+const char* mediaTypeOf(const std::vector<unsigned char>& image) {
+    const auto begins = [&](std::string_view magic) {
+        return image.size() > magic.size() &&
+               std::memcmp(image.data(), magic.data(), magic.size()) == 0;
+    };
+    return begins("\x89PNG") ? "image/png" : begins("RIFF") ? "image/webp" : "image/jpeg";
+}
+
+void storeNumber(double value, int component_type, unsigned char* to) {
+    const auto as = [&](auto number) {
+        number = static_cast<decltype(number)>(value);
+        std::memcpy(to, &number, sizeof(number));
+    };
+    switch (component_type) {
+        case TINYGLTF_COMPONENT_TYPE_BYTE:
+            return as(int8_t{});
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return as(uint8_t{});
+        case TINYGLTF_COMPONENT_TYPE_SHORT:
+            return as(int16_t{});
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return as(uint16_t{});
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+            return as(uint32_t{});
+        default:
+            return as(float{});
+    }
 }
 
 std::string glbBeginning(const std::string& text, uint64_t bytes) {

@@ -24,6 +24,12 @@ void forgetExtension(Json& document, const char* extension);
 /// Takes an extension out of the document, and out of all members of its array of that name.
 void dropExtension(Json& document, const char* array, const char* extension);
 
+/// What an image's bytes are: PNG, WebP or, by default, JPEG.
+const char* mediaTypeOf(const std::vector<unsigned char>& image);
+
+/// Stores a number as glTF's component type has it; other types than whole numbers as a float.
+void storeNumber(double value, int component_type, unsigned char* to);
+
 /// Bytes of a .glb file beside its two chunks.
 constexpr uint64_t kGlbHeaders = 12 + 8 + 8;
 

@@ -1,7 +1,8 @@
 // Writing a file anew with a lightmap. Buffers are packed into one, images that lie beside the file
-// are taken into it; meshes that are shown more than once become several, and vertices at which
-// pieces of the atlas part become two.
-// Based on: the glTF 2.0 specification; MOZ_lightmap as Hubs and three.js read it.
+// are taken into it; meshes that are shown more than once become several, vertices at which pieces
+// of the atlas part become two, and primitives that are on several of its pages one for each, with
+// a material of its own. Based on: the glTF 2.0 specification; MOZ_lightmap as Hubs and three.js
+// read it.
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -40,7 +41,7 @@ class Writer {
         takeBuffers();
         takeImages();
         chooseSet();
-        const int texture = addTexture();
+        const std::vector<int> textures = addTextures();
         for (size_t i = 0; i < scene_.sources.size();) {
             size_t end = i;
             while (end < scene_.sources.size() &&
@@ -53,8 +54,9 @@ class Writer {
         if (!anyCompressedMesh()) {
             forgetExtension(document_, kMeshCompression);
         }
-        for (const int material : used_materials_) {
-            setMaterial(arrayIn(document_, "materials")[static_cast<size_t>(material)], texture);
+        for (const auto& [of, material] : materials_) {
+            setMaterial(arrayIn(document_, "materials")[material],
+                        textures[static_cast<size_t>(of.second)]);
         }
         useExtension(document_, lightmap_.unlit ? "KHR_materials_unlit" : "MOZ_lightmap");
         if (lightmap_.lights_baked) {
@@ -145,14 +147,6 @@ class Writer {
         }
     }
 
-    static const char* mediaTypeOf(const std::vector<unsigned char>& image) {
-        const auto begins = [&](std::string_view magic) {
-            return image.size() > magic.size() &&
-                   std::memcmp(image.data(), magic.data(), magic.size()) == 0;
-        };
-        return begins("\x89PNG") ? "image/png" : begins("RIFF") ? "image/webp" : "image/jpeg";
-    }
-
     // The second set of coordinates or, where materials have textures by that, the next one that no
     // mesh has.
     void chooseSet() {
@@ -180,21 +174,27 @@ class Writer {
     }
     std::string setName() const { return fmt::format("TEXCOORD_{}", set_); }
 
-    int addTexture() {
+    // One a page.
+    std::vector<int> addTextures() {
         constexpr int kLinear = 9729, kClampToEdge = 33071;
-        const size_t view = addView(lightmap_.png.data(), lightmap_.png.size());
-        Json& images = arrayIn(document_, "images");
-        images.push_back({{"name", "lightmap"}, {"bufferView", view}, {"mimeType", "image/png"}});
         Json& samplers = arrayIn(document_, "samplers");
         samplers.push_back({{"magFilter", kLinear},
                             {"minFilter", kLinear},
                             {"wrapS", kClampToEdge},
                             {"wrapT", kClampToEdge}});
+        Json& images = arrayIn(document_, "images");
         Json& textures = arrayIn(document_, "textures");
-        textures.push_back({{"name", "lightmap"},
-                            {"sampler", samplers.size() - 1},
-                            {"source", images.size() - 1}});
-        return static_cast<int>(textures.size()) - 1;
+        std::vector<int> added;
+        for (const std::string& png : lightmap_.pngs) {
+            const size_t view = addView(png.data(), png.size());
+            images.push_back(
+                {{"name", "lightmap"}, {"bufferView", view}, {"mimeType", "image/png"}});
+            textures.push_back({{"name", "lightmap"},
+                                {"sampler", samplers.size() - 1},
+                                {"source", images.size() - 1}});
+            added.push_back(static_cast<int>(textures.size()) - 1);
+        }
+        return added;
     }
 
     // The mesh of a node whose triangles are those of sources first to end.
@@ -213,8 +213,8 @@ class Writer {
             const Scene::Source& source = scene_.sources[i];
             const size_t last = i + 1 < scene_.sources.size() ? scene_.sources[i + 1].first_triangle
                                                               : scene_.triangles.size();
-            rewritePrimitive(mesh["primitives"][static_cast<size_t>(source.primitive)],
-                             source.first_triangle, last, where);
+            rewritePrimitives(mesh["primitives"], static_cast<size_t>(source.primitive),
+                              source.first_triangle, last, where);
         }
         const auto& nodes = file_.model.nodes;
         const auto shows = [&](const tinygltf::Node& n) { return n.mesh == static_cast<int>(own); };
@@ -226,11 +226,28 @@ class Writer {
         meshes.push_back(std::move(mesh));
     }
 
-    void rewritePrimitive(Json& primitive, size_t first, size_t end, const std::string& where) {
+    // What a primitive has on its first page takes its place; what it has on others follows last.
+    void rewritePrimitives(Json& primitives, size_t primitive, size_t first, size_t end,
+                           const std::string& where) {
+        std::map<int, std::vector<size_t>> triangles_of;  // by page; none where all is left out
+        for (size_t i = first; i < end; ++i) {
+            triangles_of[lightmap_.page_of[i]].push_back(i);
+        }
+        const Json source = primitives[primitive];
+        size_t at = primitive;
+        for (const auto& [page, triangles] : triangles_of) {
+            primitives[at] = source;
+            rewritePrimitive(primitives[at], triangles, page, where);
+            at = primitives.size();
+        }
+    }
+
+    void rewritePrimitive(Json& primitive, const std::vector<size_t>& triangles, int page,
+                          const std::string& where) {
         std::map<Corner, uint32_t> vertex_of;
         std::vector<uint32_t> sources, indices;
         std::vector<float> coordinates;
-        for (size_t i = first; i < end; ++i) {
+        for (const size_t i : triangles) {
             const uvec4& corners = scene_.source_corners[i];
             for (const int c : {0, corners.w != 0 ? 2 : 1, corners.w != 0 ? 1 : 2}) {
                 const vec2& uv = lightmap_.corners[i][static_cast<size_t>(c)];
@@ -242,9 +259,6 @@ class Writer {
                 }
                 indices.push_back(found->second);
             }
-        }
-        if (indices.empty()) {
-            return;  // all of it was left out
         }
         Json& attributes = primitive["attributes"];
         if (lightmap_.unlit) {
@@ -278,7 +292,23 @@ class Writer {
         if (static_cast<size_t>(material) >= document_["materials"].size()) {
             file_.fail(where, "has no material {}; export the file again", material);
         }
-        used_materials_.insert(material);
+        primitive["material"] = materialOn(material, page);
+    }
+
+    // A material has one lightmap: that of the first page which it is found on is the file's own,
+    // that of any other a copy.
+    size_t materialOn(int material, int page) {
+        const auto [found, is_new] =
+            materials_.emplace(std::pair(material, page), static_cast<size_t>(material));
+        const auto any = materials_.lower_bound({material, 0});
+        const bool shared =
+            std::next(any) != materials_.end() && std::next(any)->first.first == material;
+        if (is_new && shared) {
+            Json& materials = document_["materials"];
+            found->second = materials.size();
+            materials.push_back(Json(materials[static_cast<size_t>(material)]));
+        }
+        return found->second;
     }
 
     // Sets are numbered without gaps: zeros where a mesh lacks one before the lightmap's, which is
@@ -370,7 +400,7 @@ class Writer {
                 const double value = numbers[elements[i] * components + c];
                 least[c] = std::min(least[c], value);
                 most[c] = std::max(most[c], value);
-                store(value, type, &bytes[i * stride + c * size]);
+                storeNumber(value, type, &bytes[i * stride + c * size]);
             }
         }
         const Json old = document_["accessors"][static_cast<size_t>(accessor)];
@@ -386,26 +416,6 @@ class Writer {
             own["max"] = most;
         }
         return result;
-    }
-    static void store(double value, int type, unsigned char* to) {
-        const auto as = [&](auto number) {
-            number = static_cast<decltype(number)>(value);
-            std::memcpy(to, &number, sizeof(number));
-        };
-        switch (type) {
-            case TINYGLTF_COMPONENT_TYPE_BYTE:
-                return as(int8_t{});
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-                return as(uint8_t{});
-            case TINYGLTF_COMPONENT_TYPE_SHORT:
-                return as(int16_t{});
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-                return as(uint16_t{});
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-                return as(uint32_t{});
-            default:
-                return as(float{});
-        }
     }
 
     void setMaterial(Json& material, int texture) {
@@ -445,12 +455,13 @@ class Writer {
     std::string text_;
     int set_ = 1;
     int default_material_ = -1;
-    std::set<int> used_materials_;
+    std::map<std::pair<int, int>, size_t> materials_;  // by that of the file and page
 };
 
 Writer madeOf(const Scene& scene, const LightmapFile& lightmap) {
     SHEEN_CHECK_EQ(scene.source_corners.size(), scene.triangles.size());
     SHEEN_CHECK_EQ(lightmap.corners.size(), scene.triangles.size());
+    SHEEN_CHECK_EQ(lightmap.page_of.size(), scene.triangles.size());
     try {
         Writer writer(scene, lightmap);
         writer.make();

@@ -1,4 +1,4 @@
-// A scene's file with a lightmap in it: what it held before, each mesh with the coordinates of its
+// A scene's file with lightmaps in it: what it held before, each mesh with the coordinates of its
 // triangles in the atlas.
 #pragma once
 
@@ -13,9 +13,10 @@ namespace sheen {
 struct LightmapFile {
     std::string source;                        ///< the file that the scene was loaded from
     std::vector<std::array<vec2, 3>> corners;  ///< [triangle], in the unit square from the top left
-    bool of_file = false;  ///< these are the file's own second texture coordinates
-    std::string png;       ///< the image's bytes
-    /// What the image is: linear irradiance, of which 1 stands for `intensity` (MOZ_lightmap), or
+    std::vector<int> page_of;                  ///< [triangle]: its image
+    bool of_file = false;           ///< these are the file's own second texture coordinates
+    std::vector<std::string> pngs;  ///< images' bytes
+    /// What the images are: linear irradiance, of which 1 stands for `intensity` (MOZ_lightmap), or
     /// colours that are shown as they are, instead of all that materials had (unlit).
     bool unlit = false;
     float intensity = 1.0f;
