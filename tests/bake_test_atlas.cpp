@@ -119,12 +119,21 @@ TEST(Atlas, chartsOfTrianglesOfAllSizes) {
 
 TEST(Atlas, saysHowManyTexelsWouldDo) {
     const Scene scene = twoQuads({});
-    try {
-        makeAtlas(scene, {.size = 16, .texels_per_metre = 100.0f});
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        EXPECT_NE(std::string(error.what()).find("ask for at most"), std::string::npos);
+    for (const float width : {1.0f, 3.0f, 7.0f}) {
+        Scene wide;
+        addMaterial(wide, diffuseParams(vec3(0.5f)));
+        addQuad(wide, vec3(0.0f), vec3(width, 0, 0), vec3(0, 0, -width), 0);
+        try {
+            makeAtlas(wide, {.size = 16, .texels_per_metre = 100.0f});
+            FAIL();
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::kUsage);
+            const std::string text = error.what(), at_most = "ask for at most ";
+            const size_t at = text.find(at_most);
+            ASSERT_NE(at, std::string::npos) << text;
+            const float would_do = std::stof(text.substr(at + at_most.size()));
+            EXPECT_NO_THROW(makeAtlas(wide, {.size = 16, .texels_per_metre = would_do})) << text;
+        }
     }
     EXPECT_THROW(makeAtlas(scene, {.size = 16, .texels_per_metre = 14.5f}), Error);
     EXPECT_EQ(makeAtlas(scene, {.size = 16, .texels_per_metre = 14.0f}).pages, 2);
@@ -148,6 +157,17 @@ TEST(Atlas, densityIsWhatWasAskedFor) {
 }
 
 // A row of quads: each is on one page, at its own density, and neighbours share pages.
+void expectWithinPages(const Atlas& atlas) {
+    for (size_t t = 0; t < atlas.corners.size(); ++t) {
+        ASSERT_LT(atlas.page_of[t], atlas.pages);
+        for (const vec2& corner : atlas.corners[t]) {
+            const float row = corner.y - static_cast<float>(atlas.size * atlas.page_of[t]);
+            EXPECT_GE(std::min(corner.x, row), kPadding);
+            EXPECT_LE(std::max(corner.x, row), atlas.size - kPadding);
+        }
+    }
+}
+
 TEST(Atlas, severalPagesWhereOneIsTooSmall) {
     Scene scene;
     addMaterial(scene, diffuseParams(vec3(0.5f)));
@@ -163,12 +183,8 @@ TEST(Atlas, severalPagesWhereOneIsTooSmall) {
     for (size_t t = 0; t < scene.triangles.size(); ++t) {
         EXPECT_EQ(atlas.page_of[t], static_cast<int>(t / 2 / 4));
         EXPECT_NEAR(std::abs(doubleArea(atlas.corners[t])), 14.0 * 14.0, 1e-2);
-        for (const vec2& corner : atlas.corners[t]) {
-            const float row = corner.y - 32.0f * static_cast<float>(atlas.page_of[t]);
-            EXPECT_GE(std::min(corner.x, row), kPadding);
-            EXPECT_LE(std::max(corner.x, row), 32 - kPadding);
-        }
     }
+    expectWithinPages(atlas);
     EXPECT_EQ(makeAtlas(scene, {.size = 64, .texels_per_metre = 14.0f}).pages, 1);
 }
 
@@ -183,9 +199,11 @@ TEST(Atlas, surfacesLargerThanAPageAreCut) {
     EXPECT_EQ(makeCharts(scene).size(), 1u);
     const Atlas atlas = makeAtlas(scene, {.size = 64, .texels_per_metre = 20.0f});
     EXPECT_GT(atlas.charts, 4);
+    EXPECT_GT(atlas.pages, 4);
     for (const auto& corners : atlas.corners) {
         EXPECT_NEAR(std::abs(doubleArea(corners)), 400.0, 1.0);
     }
+    expectWithinPages(atlas);
 }
 
 // The atlas would do as a file's own.

@@ -47,6 +47,8 @@ TEST_F(CliBakeTest, severalLightmapsWhereOneIsTooSmall) {
     ASSERT_EQ(call(atlas + "--method texels -o b.exr").code, 0);
     EXPECT_EQ(call("compare a.0.exr b.0.exr").code, 0);
     EXPECT_EQ(call("compare a.1.exr b.1.exr").code, 0);
+    EXPECT_NE(textOf(file("a.0.exr")), textOf(file("a.1.exr")));
+    EXPECT_NE(textOf(file("a.0.png")), textOf(file("a.1.png")));
     expectError(atlas + "-o c.exr --json c.1.exr", ExitCode::kUsage, "is the file of --json");
 }
 

@@ -98,6 +98,33 @@ Packing onOnePage(std::vector<UvChart> charts, int size, double density) {
     return packing;
 }
 
+// To three digits, and no more than that.
+double roundedDown(double value) {
+    const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+    return std::floor(value / unit) * unit;
+}
+
+// Charts whose texels alone take more than there may be. Rows are counted by floats, to a 64th of a
+// texel.
+void checkPages(const std::vector<UvChart>& charts, int size, double density) {
+    constexpr int64_t kMostTexels = int64_t{1} << 30;
+    constexpr int64_t kMostRows = int64_t{1} << 17;
+    const int64_t page = int64_t{size} * size;
+    const int64_t most = std::min(kMostTexels / page, kMostRows / size);
+    int64_t texels = 0;
+    for (const UvChart& chart : charts) {
+        const ivec2 own = texelsOf(chart, density) + 2 * kPadding;
+        texels += int64_t{own.x} * own.y;
+        if (texels > most * page) {
+            throwUsage(
+                "--texels-per-metre {}: takes more than {} lightmaps of {} x {} texels; ask for "
+                "fewer{}",
+                static_cast<float>(density), most, size, size,
+                size < kLargestAtlas ? ", or for a larger --size" : "");
+        }
+    }
+}
+
 // How many of the first charts a page holds: by bisection, which is right up to what packing
 // happens to lose.
 size_t fitting(std::span<const UvChart> charts, double density, int size) {
@@ -109,9 +136,23 @@ size_t fitting(std::span<const UvChart> charts, double density, int size) {
     return fits;
 }
 
+void sortByFirstTriangle(std::vector<UvChart>& charts) {
+    std::vector<std::pair<uint32_t, size_t>> order;
+    for (size_t i = 0; i < charts.size(); ++i) {
+        const auto& own = charts[i].triangles;
+        order.emplace_back(*std::min_element(own.begin(), own.end()), i);
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<UvChart> sorted;
+    sorted.reserve(charts.size());
+    for (const auto& [triangle, i] : order) {
+        sorted.push_back(std::move(charts[i]));
+    }
+    charts.swap(sorted);
+}
+
 // In the order of the file's primitives, so that each of these is on few pages.
 Packing onPages(const Scene& scene, int size, double density) {
-    constexpr int64_t kMostTexels = int64_t{1} << 30;
     Packing packing{.size = size, .density = density};
     std::vector<UvChart>& charts = packing.charts;
     double widest = 0.0;
@@ -124,23 +165,15 @@ Packing onPages(const Scene& scene, int size, double density) {
         throwUsage(
             "--texels-per-metre {}: a triangle of {:.3g} m takes more than {} x {} texels; ask for "
             "at most {:.3g}{}",
-            density, widest, size, size, density * largest / widest,
+            static_cast<float>(density), widest, size, size,
+            roundedDown(density * largest / widest),
             size < kLargestAtlas ? ", or for a larger --size" : "");
     }
-    const auto first = [](const UvChart& c) {
-        return *std::min_element(c.triangles.begin(), c.triangles.end());
-    };
-    std::sort(charts.begin(), charts.end(),
-              [&](const UvChart& a, const UvChart& b) { return first(a) < first(b); });
+    checkPages(charts, size, density);
+    sortByFirstTriangle(charts);
     for (int page = 0; packing.places.size() < charts.size(); ++page) {
         const auto left = std::span<const UvChart>(charts).subspan(packing.places.size());
         const size_t count = fitting(left, density, size);
-        if (int64_t{size} * size * (page + 1) > kMostTexels) {
-            throwUsage(
-                "--texels-per-metre {}: takes more than {} lightmaps of {} x {} texels; ask "
-                "for fewer",
-                density, page, size, size);
-        }
         const std::vector<ivec2> places = pack(left.first(count), density, size);
         packing.places.insert(packing.places.end(), places.begin(), places.end());
         packing.page_of.insert(packing.page_of.end(), count, page);
@@ -272,10 +305,15 @@ void numberCharts(const Scene& scene, Atlas& atlas) {
 
 void checkTexels(const Atlas& atlas) {
     constexpr uint64_t kBytesPerTexel = 256;  // receivers, their index, sums, images
+    const std::string what =
+        atlas.pages == 1
+            ? fmt::format("a lightmap of {} x {} texels", atlas.size, atlas.size)
+            : fmt::format("{} lightmaps of {} x {} texels", atlas.pages, atlas.size, atlas.size);
     checkMemory({.bytes = kBytesPerTexel * static_cast<uint64_t>(atlas.size) *
                           static_cast<uint64_t>(atlas.height())},
-                fmt::format("a lightmap of {} x {} texels", atlas.size, atlas.height()),
-                "ask for a smaller --size or fewer --texels-per-metre");
+                what,
+                atlas.pages == 1 ? "ask for a smaller --size or fewer --texels-per-metre"
+                                 : "ask for fewer --texels-per-metre");
 }
 
 }  // namespace

@@ -13,6 +13,8 @@ namespace {
 constexpr float kSmooth = 0.95f;
 // Neighbours lie no farther off, in footprints.
 constexpr float kNear = 1.5f;
+// And, within a chart, no farther off in the atlas than so many texels.
+constexpr int kTogether = 3;
 
 struct Square {
     double sum = 0.0;
@@ -30,6 +32,13 @@ struct Square {
 Seams seamsOf(const Lightmap& map, const Image<vec3>& light) {
     const Receivers& r = map.receivers;
     const auto chart = [&](size_t i) { return map.atlas.chart_of[r.triangles[i]]; };
+    // Of two charts, or of one that closes in space, as that of a column does.
+    const auto parted = [&](size_t i, size_t j) {
+        const auto width = static_cast<size_t>(r.image.width);
+        const ivec2 way(static_cast<int>(i % width) - static_cast<int>(j % width),
+                        static_cast<int>(i / width) - static_cast<int>(j / width));
+        return chart(i) != chart(j) || std::max(std::abs(way.x), std::abs(way.y)) > kTogether;
+    };
     // Points that lie closer than a texel's width count as if so far off.
     const auto change = [&](size_t i, size_t j) {
         const float way = glm::length(r.positions[i] - r.positions[j]) / r.footprints[i];
@@ -47,7 +56,7 @@ Seams seamsOf(const Lightmap& map, const Image<vec3>& light) {
             float least = kInfinity;
             for (const uint32_t j : r.places->within(r.positions[i], kNear * r.footprints[i])) {
                 const float way = glm::length(r.positions[i] - r.positions[j]);
-                if (chart(j) != chart(i) && glm::dot(r.normals[i], r.normals[j]) > kSmooth &&
+                if (parted(i, j) && glm::dot(r.normals[i], r.normals[j]) > kSmooth &&
                     (way < least || (way == least && other && j < *other))) {
                     least = way;
                     other = j;

@@ -194,6 +194,7 @@ void checkBakeOutputs(const BakeOptions& o, const Scene& scene, int pages) {
 
 void writeOutputs(const BakeOptions& o, const Scene& scene, const Lightmap& map,
                   const Baked& baked) {
+    const Image<vec3> shown = beauty(baked.frame);
     for (const std::string& output : o.outputs) {
         const std::vector<std::string> files = filesOf(output, map.atlas.pages);
         for (size_t i = 0; i < files.size(); ++i) {
@@ -205,10 +206,10 @@ void writeOutputs(const BakeOptions& o, const Scene& scene, const Lightmap& map,
                     break;
                 }
                 case BakedKind::kPng:
-                    writePng(files[i], pageOf(map.atlas, beauty(baked.frame), page), std::nullopt);
+                    writePng(files[i], pageOf(map.atlas, shown, page), std::nullopt);
                     break;
                 case BakedKind::kGlb:
-                    writeBakedScene(o, output, scene, map, beauty(baked.frame));
+                    writeBakedScene(o, output, scene, map, shown);
                     break;
                 case BakedKind::kJson:
                     break;  // of light probes alone
