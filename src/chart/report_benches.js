@@ -38,7 +38,7 @@ function bakeDatasets(points) {
       pointStyle: SHAPES[look].style, pointRotation: SHAPES[look].rotation || 0,
       pointBackgroundColor: own.map(point => point.judged ? paint : color('--panel')),
     };
-  });
+  }).filter(set => set.points.length > 0);
 }
 
 function bakeScales(points) {
