@@ -91,10 +91,10 @@ void followStrata(const Scene& scene, const Receivers& receivers, const Ageing& 
         }
         RecordSite& site = found.strata->site;
         const RecordSite seen = siteAt(scene, receivers, i);
-        const bool as_before = seen.toward_viewer == site.toward_viewer;
+        const bool turned = seen.lobe.any() && seen.toward_viewer != site.toward_viewer;
         site.toward_viewer = seen.toward_viewer;
         site.lobe = seen.lobe;
-        if (!ageing.stands || !as_before) {
+        if (!ageing.stands || turned) {
             followed.push_back(&found);
         }
     }

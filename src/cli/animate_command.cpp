@@ -216,12 +216,11 @@ ExitCode runAnimate(AnimateOptions& o, Ranks& ranks) {
     const FrameRange frames = rangeOf(o, scene);
     const SequenceKey key = keyOf(*o.app, scene.scene());
     const std::string job = jobText(key, output.frames.names(0));
-    const SequenceParams params{
-        .part = o.render.part,
-        .fps = o.fps,
-        .temporal = temporal,
-        .anchors = o.anchors,
-        .last = frames.last};
+    const SequenceParams params{.part = o.render.part,
+                                .fps = o.fps,
+                                .temporal = temporal,
+                                .anchors = o.anchors,
+                                .last = frames.last};
     o.render.params.quiet = true;
     if (!ranks.first()) {
         FrameMaker(o.render, output.frames, scene, params, {.key = key}).serve(ranks, job);

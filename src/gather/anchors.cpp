@@ -4,19 +4,36 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "rays/jitter.h"
 #include "rays/surface_point.h"
 
 namespace sheen {
 namespace {
 
 // A cell's edge over that of what the ray that asks stands for, in powers of two.
-constexpr float kCell = 1.0f;
+constexpr float kCell = 0.5f;
 constexpr float kSameNormal = 0.95f;
 // Within this factor of what another point reflects its light tells of a point's.
 constexpr float kMostTint = 4.0f;
 // Of a lobe's alpha: rays that come from directions closer together see the same of it.
 constexpr float kSameLobe = 0.5f;
+
+// The cell of space around a point whose edge is about as wanted: a hash of its place and size.
+uint64_t cellOf(const vec3& p, float wanted) {
+    const float level = std::floor(std::log2(std::max(wanted, 1e-30f)) + 0.5f);
+    const float edge = std::exp2(level);
+    // Surfaces often lie at round numbers, where cells should not meet.
+    const vec3 place = p / edge + vec3(0.3711f, 0.6173f, 0.4519f);
+    const vec3 corner = glm::clamp(glm::floor(place), vec3(-2e9f), vec3(2e9f));
+    uint64_t hash = static_cast<uint64_t>(static_cast<int64_t>(level));
+    for (int axis = 0; axis < 3; ++axis) {
+        // As SplitMix64 mixes.
+        hash = (hash + static_cast<uint64_t>(static_cast<int64_t>(corner[axis]))) *
+               0xbf58476d1ce4e5b9u;
+        hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
+        hash ^= hash >> 31;
+    }
+    return hash;
+}
 
 }  // namespace
 
@@ -27,7 +44,9 @@ void Anchors::beginFrame(const Scene& scene, std::vector<uint8_t> moves, size_t 
             stands_[k] = 0;
         }
     }
+    before_ = size();
     lit_ = 0;
+    change_ = movers_.any();
     rays_ = rays;
 }
 
@@ -43,7 +62,7 @@ Anchors::Surface Anchors::surfaceOf(const Scene& scene, const Met& met) {
     const Hit& hit = met.hit;
     const SurfacePoint p = surfacePoint(scene, hit.triangle, hit.u, hit.v, -met.direction,
                                         hit.distance, met.solid_angle);
-    Surface surface{.position = p.position, .n_g = p.n_g, .toward = p.wo};
+    Surface surface{.point = {p.position, p.n_g}, .toward = p.wo};
     surface.material = scene.materials_of[hit.triangle];
     const Material& material = scene.materials[surface.material];
     const bool lambertian = isLambertian(material);
@@ -55,26 +74,17 @@ Anchors::Surface Anchors::surfaceOf(const Scene& scene, const Met& met) {
     if (!material.textured() && scene.colors.empty()) {
         surface.color = vec3(1.0f);  // whatever the direction makes of it
     }
-    const float wanted = kCell * hit.distance * std::sqrt(met.solid_angle);
-    const auto level = static_cast<int>(std::floor(std::log2(std::max(wanted, 1e-30f)) + 0.5f));
-    const float edge = std::ldexp(1.0f, level);
-    // Surfaces often lie at round numbers, where cells should not meet.
-    const vec3 place = p.position / edge + vec3(0.3711f, 0.6173f, 0.4519f);
-    const auto at = [](float x) {
-        return static_cast<int>(std::floor(glm::clamp(x, -2e9f, 2e9f)));
-    };
-    surface.cell = {level, at(place.x), at(place.y), at(place.z)};
+    surface.cell = cellOf(p.position, kCell * hit.distance * std::sqrt(met.solid_angle));
     return surface;
 }
 
 // By what a point reflects more than an anchor; none where the one does not tell of the other.
 std::optional<vec3> Anchors::tintOf(const Surface& anchor, const Surface& met) {
-    if (anchor.cell != met.cell || anchor.material != met.material ||
-        glm::dot(anchor.n_g, met.n_g) < kSameNormal) {
+    if (anchor.material != met.material ||
+        glm::dot(anchor.point.normal, met.point.normal) < kSameNormal) {
         return std::nullopt;
     }
-    if (met.alpha > 0.0f &&
-        glm::distance(anchor.toward, met.toward) > kSameLobe * met.alpha) {
+    if (met.alpha > 0.0f && glm::distance(anchor.toward, met.toward) > kSameLobe * met.alpha) {
         return std::nullopt;
     }
     vec3 tint(1.0f);
@@ -90,14 +100,10 @@ std::optional<vec3> Anchors::tintOf(const Surface& anchor, const Surface& met) {
     return tint;
 }
 
-size_t Anchors::slotOf(const std::array<int, 4>& cell) const {
-    uint32_t hash = 0;
-    for (const int number : cell) {
-        hash = pcgHash(hash + static_cast<uint32_t>(number));
-    }
+size_t Anchors::slotOf(uint64_t cell) const {
     const size_t mask = table_.size() - 1;
-    size_t slot = hash & mask;
-    while (table_[slot] != kNone && surfaces_[table_[slot]].cell != cell) {
+    size_t slot = cell & mask;
+    while (table_[slot].first != kNone && table_[slot].cell != cell) {
         slot = (slot + 1) & mask;
     }
     return slot;
@@ -107,7 +113,7 @@ std::optional<Anchors::Link> Anchors::findFor(const Surface& surface, const vec3
     if (table_.empty()) {
         return std::nullopt;
     }
-    for (uint32_t k = table_[slotOf(surface.cell)]; k != kNone; k = next_[k]) {
+    for (uint32_t k = table_[slotOf(surface.cell)].first; k != kNone; k = next_[k]) {
         if (stands_[k] == 0) {
             continue;
         }
@@ -148,7 +154,10 @@ void Anchors::insert(uint32_t anchor) {
         rebuildTable(std::max(kFewest, 2 * table_.size()));
         return;
     }
-    uint32_t* last = &table_[slotOf(surfaces_[anchor].cell)];
+    const uint64_t cell = surfaces_[anchor].cell;
+    Slot& slot = table_[slotOf(cell)];
+    slot.cell = cell;
+    uint32_t* last = &slot.first;
     while (*last != kNone) {
         last = &next_[*last];
     }
@@ -156,7 +165,7 @@ void Anchors::insert(uint32_t anchor) {
 }
 
 void Anchors::rebuildTable(size_t slots) {
-    table_.assign(slots, kNone);
+    table_.assign(slots, Slot{});
     std::fill(next_.begin(), next_.end(), kNone);
     for (uint32_t k = 0; k < size(); ++k) {
         insert(k);
@@ -166,8 +175,9 @@ void Anchors::rebuildTable(size_t slots) {
 void Anchors::lightBy(const OutgoingLight& light, bool without_caustics) {
     constexpr size_t kTogether = OutgoingLight::kTogether / 4;
     const size_t first = lit_;
-    const size_t count = size() - first;
-    parallelFor(static_cast<int>((count + kTogether - 1) / kTogether), [&](int chunk) {
+    const size_t chunks = (size() - first + kTogether - 1) / kTogether;
+    std::vector<uint8_t> changed(chunks);
+    parallelFor(static_cast<int>(chunks), [&](int chunk) {
         const size_t begin = first + static_cast<size_t>(chunk) * kTogether;
         const size_t end = std::min(begin + kTogether, size());
         std::vector<vec3> origins, directions;
@@ -179,19 +189,28 @@ void Anchors::lightBy(const OutgoingLight& light, bool without_caustics) {
             solid_angles.push_back(places_[k].solid_angle);
             hits.push_back(stands_[k] != 0 ? places_[k].hit : Hit{});
         }
+        std::vector<vec3> found(hits.size());
         light.radiance({.directions = directions,
                         .solid_angles = solid_angles,
                         .origins = origins,
                         .without_caustics = without_caustics},
-                       hits, &light_[begin]);
+                       hits, found.data());
+        for (size_t k = begin; k < end; ++k) {
+            const vec3& now = found[k - begin];
+            if (now != light_[k] && k < before_) {
+                changed[static_cast<size_t>(chunk)] = 1;
+            }
+            light_[k] = now;
+        }
     });
+    change_ = change_ || std::find(changed.begin(), changed.end(), 1) != changed.end();
     lit_ = size();
 }
 
 std::vector<uint32_t> Anchors::keepOnly(std::span<const uint8_t> used) {
     std::vector<uint32_t> becomes(size(), kNone);
     uint32_t kept = 0;
-    size_t lit = 0;
+    size_t lit = 0, before = 0;
     for (size_t k = 0; k < used.size(); ++k) {
         if (used[k] == 0 || stands_[k] == 0) {
             continue;
@@ -202,6 +221,7 @@ std::vector<uint32_t> Anchors::keepOnly(std::span<const uint8_t> used) {
         stands_[kept] = stands_[k];
         light_[kept] = light_[k];
         lit += k < lit_ ? 1 : 0;
+        before += k < before_ ? 1 : 0;
         ++kept;
     }
     places_.resize(kept);
@@ -210,6 +230,7 @@ std::vector<uint32_t> Anchors::keepOnly(std::span<const uint8_t> used) {
     light_.resize(kept);
     next_.resize(kept);
     lit_ = lit;
+    before_ = before;
     rebuildTable(table_.size());
     return becomes;
 }

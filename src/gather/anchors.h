@@ -1,10 +1,10 @@
-// Anchors: points on surfaces that stand still, to which what the rays of records met is tied. Their
-// light is found anew in every frame, once for all rays that are tied to them.
-// Based on: [SKDM05]. There it is the density of photons around an anchor; here it is what a ray
-// that meets it sees, lights' by shadow rays and all bounces' by the light kept on surfaces.
+// Anchors: points on surfaces that stand still, to which what the rays of records met is tied.
+// Their light is found anew in every frame, once for all rays that are tied to them. Based on:
+// [SKDM05]. There it is the density of photons around an anchor; here it is what a ray that meets
+// it sees, lights' by shadow rays and all bounces' by the light kept on surfaces.
 #pragma once
 
-#include <array>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -42,8 +42,8 @@ class Anchors {
         uint32_t anchor = 0;
         vec3 tint{1.0f};
     };
-    /// The anchor of a surface that a ray met, which stands still: one in the same cell of space, as
-    /// large as what the ray stands for, whose normal and reflection agree. None where none is.
+    /// The anchor of a surface that a ray met, which stands still: one in the same cell of space,
+    /// as large as what the ray stands for, whose normal and reflection agree. None where none is.
     std::optional<Link> find(const Scene& scene, const Met& met) const;
     /// The same, and a new one where none is; none where there are too many.
     std::optional<Link> findOrAdd(const Scene& scene, const Met& met);
@@ -52,13 +52,17 @@ class Anchors {
     void lightBy(const OutgoingLight& light, bool without_caustics);
 
     size_t size() const { return places_.size(); }
+    /// Whether something moves, or some anchor's light is not that of the frame before.
+    bool change() const { return change_; }
     /// False where its surface moves.
     bool stands(uint32_t anchor) const { return stands_[anchor] != 0; }
     /// Radiance toward the rays that are tied to it.
     const vec3& light(uint32_t anchor) const { return light_[anchor]; }
-    const vec3& position(uint32_t anchor) const { return surfaces_[anchor].position; }
-    /// Geometric, on the side that is seen.
-    const vec3& normal(uint32_t anchor) const { return surfaces_[anchor].n_g; }
+    struct Point {
+        vec3 position{0.0f};
+        vec3 normal{0.0f};  ///< geometric, on the side that is seen
+    };
+    const Point& point(uint32_t anchor) const { return surfaces_[anchor].point; }
 
     static constexpr uint32_t kNone = ~0u;
     /// Drops all but those `used`, [anchor], that stand. Returns what becomes of each, [anchor]: a
@@ -68,17 +72,21 @@ class Anchors {
   private:
     // What decides whether two points may share an anchor.
     struct Surface {
-        vec3 position{0.0f};
-        vec3 n_g{0.0f}, toward{0.0f};  // unit, on the side that is seen
-        vec3 color{0.0f};              // what it reflects, over its material's
-        float alpha = 0.0f;            // of its lobe; 0: it has none
+        Point point = {};
+        vec3 toward{0.0f};   // unit, to who sees it
+        vec3 color{0.0f};    // what it reflects, over its material's
+        float alpha = 0.0f;  // of its lobe; 0: it has none
         uint32_t material = 0;
-        std::array<int, 4> cell{};  // and its size
+        uint64_t cell = 0;
+    };
+    struct Slot {
+        uint64_t cell = 0;
+        uint32_t first = kNone;  // anchor of the cell; kNone: the slot is free
     };
     static Surface surfaceOf(const Scene& scene, const Met& met);
     static std::optional<vec3> tintOf(const Surface& anchor, const Surface& met);
     std::optional<Link> findFor(const Surface& surface, const vec3& weight) const;
-    size_t slotOf(const std::array<int, 4>& cell) const;
+    size_t slotOf(uint64_t cell) const;
     void insert(uint32_t anchor);
     void rebuildTable(size_t slots);
 
@@ -88,10 +96,12 @@ class Anchors {
     std::vector<Surface> surfaces_;
     std::vector<uint8_t> stands_;
     std::vector<vec3> light_;
-    std::vector<uint32_t> next_;   // of the same cell
-    std::vector<uint32_t> table_;  // the first of a cell; kNone: free
-    size_t rays_ = 0;              // that are tied
-    size_t lit_ = 0;               // so many, the first, are in this frame
+    std::vector<uint32_t> next_;  // of the same cell
+    std::vector<Slot> table_;
+    bool change_ = false;
+    size_t rays_ = 0;    // that are tied
+    size_t before_ = 0;  // so many, the first, there were in the frame before
+    size_t lit_ = 0;     // so many, the first, are lit in this frame
 };
 
 }  // namespace sheen

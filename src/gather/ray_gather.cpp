@@ -13,11 +13,6 @@
 namespace sheen {
 namespace {
 
-// A texel gets a ray more for each average texel's worth of light that it varies by: for a given
-// number of rays a sum's variance is least where each texel has them in proportion to its standard
-// deviation [Ney34].
-constexpr float kLeastContrast = 2.0f;
-constexpr float kMostRays = 64.0f;
 // So many of a record's contrasts are passed on. A quarter finds a fifth less of the variance,
 // twice as many find no more.
 constexpr size_t kMostContrasts = 128;
@@ -34,49 +29,6 @@ constexpr int kEnoughTexels = 128;  // no record takes more for its reach
 
 // Of rays that are cast again to see whether a record is still right.
 constexpr size_t kWitnesses = 32;
-
-// What a texel's light counts for: irradiance weighs it by its cosine, lobes anywhere.
-std::span<const float> weightsFor(const Hemisphere& h, int order) {
-    return order == shared::DIFFUSE_ORDER ? h.cosines : h.solid_angles;
-}
-
-// Light of texels, over their average.
-std::vector<float> relativeLight(std::span<const vec4> texels, std::span<const float> weights) {
-    std::vector<float> light(texels.size());
-    float sum = 0.0f;
-    for (size_t t = 0; t < texels.size(); ++t) {
-        light[t] = (texels[t].x + texels[t].y + texels[t].z) * weights[t];
-        sum += light[t];
-    }
-    const float scale = static_cast<float>(texels.size()) / sum;
-    if (!std::isfinite(scale)) {
-        return std::vector<float>(texels.size());  // dark, or nearly
-    }
-    for (float& l : light) {
-        l *= scale;
-    }
-    return light;
-}
-
-// By how much light changes across each texel, judged by its neighbours and, but for its share of
-// the average, never by its own ray: were it looked at closer because its ray met something bright,
-// but not because it missed it, light would be lost.
-std::vector<float> contrastsOfNeighbours(const Hemisphere& h, std::span<const float> light) {
-    std::vector<float> least(light.size(), kInfinity);
-    std::vector<float> most(light.size(), 0.0f);
-    const auto heed = [&](uint32_t t, uint32_t neighbour) {
-        least[t] = std::min(least[t], light[neighbour]);
-        most[t] = std::max(most[t], light[neighbour]);
-    };
-    for (const HemisphereWall& wall : h.walls) {
-        heed(wall.a, wall.b);
-        heed(wall.b, wall.a);
-    }
-    for (size_t t = 0; t < light.size(); ++t) {
-        most[t] = std::max(most[t] - least[t], 0.0f);
-    }
-    return most;
-}
 
 // What is smaller than a texel and bright, one ray in many meets, and no neighbour: half of the
 // variance lies in one texel of a hundred, and records nearby know which. Raises the contrasts of
@@ -100,16 +52,6 @@ void heedContrasts(const Hemisphere& h, std::span<const FaceDirections> faces, c
             break;  // no other face meets it
         }
     }
-}
-
-// [texel]: so many rays go through it besides the first.
-std::vector<uint8_t> raysMore(std::span<const float> contrasts) {
-    std::vector<uint8_t> more(contrasts.size());
-    std::transform(contrasts.begin(), contrasts.end(), more.begin(), [](float contrast) {
-        return static_cast<uint8_t>(contrast >= kLeastContrast ? std::min(contrast, kMostRays)
-                                                               : 0.0f);
-    });
-    return more;
 }
 
 // Contrasts found by all rays of a record: `more` went through some texels and saw `more_seen`.
@@ -220,7 +162,7 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         seen[i] = see(h, site, site.seed, found);
         seen[i].rays += looked.rays;
     });
-    tieGathered(seen);
+    tieGathered(resolutions, seen);
     seconds_.see += see_timer.seconds();
     const Timer project_timer;
     std::vector<GatheredRecord> results(sites.size());
@@ -254,13 +196,14 @@ bool RayGatherer::keepsStrata(const RecordSite& site) const {
     return anchors_ != nullptr && !anchors_->movers().moves(site.triangle);
 }
 
-void RayGatherer::tieTogether(std::span<Strata* const> strata, std::span<const MetByRays> met) {
+void RayGatherer::tieTogether(std::span<Strata* const> strata, std::span<MetByRays> met) {
     tie(light_.scene(), *anchors_, strata, met);
     anchors_->lightBy(light_, without_caustics_);
 }
 
 // From the first on records say what their anchors do.
-void RayGatherer::tieGathered(std::span<Seen> seen) {
+void RayGatherer::tieGathered(std::span<const Resolution* const> resolutions,
+                              std::span<Seen> seen) {
     std::vector<Strata*> strata;
     std::vector<MetByRays> met;
     std::vector<size_t> of;
@@ -277,8 +220,15 @@ void RayGatherer::tieGathered(std::span<Seen> seen) {
     if (strata.empty()) {
         return;
     }
+    const auto count = static_cast<int>(of.size());
     tieTogether(strata, met);
-    parallelFor(static_cast<int>(of.size()), [&](int n) {
+    parallelFor(count, [&](int n) {
+        const auto k = static_cast<size_t>(n);
+        lookCloser(resolutions[of[k]]->hemisphere, {light_, without_caustics_}, *anchors_,
+                   *strata[k], met[k]);
+    });
+    tieTogether(strata, met);
+    parallelFor(count, [&](int n) {
         const auto k = static_cast<size_t>(n);
         seen[of[k]].texels = texelsOf(*anchors_, *strata[k], met[k]);
     });
@@ -299,8 +249,12 @@ void RayGatherer::follow(std::span<GatheredRecord* const> records) {
         std::vector<MetByRays> met(some.size());
         parallelFor(count, [&](int k) {
             const auto i = static_cast<size_t>(k);
-            met[i] = traceAnew(resolutions[i]->hemisphere, light_, without_caustics_, *anchors_,
-                               *strata[i]);
+            const Hemisphere& h = resolutions[i]->hemisphere;
+            const LightForRays by{light_, without_caustics_};
+            met[i] = traceChanged(h, by, *anchors_, *strata[i]);
+            if (anchors_->change()) {
+                lookCloser(h, by, *anchors_, *strata[i], met[i]);
+            }
         });
         tieTogether(strata, met);
         seconds_.see += see_timer.seconds();

@@ -57,8 +57,8 @@ class RayGatherer : public Gatherer {
     };
     Resolution& resolutionOf(int side, std::span<const RecordSite> sites);
     bool keepsStrata(const RecordSite& site) const;
-    void tieTogether(std::span<Strata* const> strata, std::span<const MetByRays> met);
-    void tieGathered(std::span<Seen> seen);
+    void tieTogether(std::span<Strata* const> strata, std::span<MetByRays> met);
+    void tieGathered(std::span<const Resolution* const> resolutions, std::span<Seen> seen);
     std::vector<const Resolution*> prepare(std::span<const RecordSite> sites);
     Seen see(const Hemisphere& h, const RecordSite& site, uint32_t seed,
              std::span<const Contrast> found) const;

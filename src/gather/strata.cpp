@@ -9,6 +9,9 @@ namespace sheen {
 namespace {
 
 constexpr vec3 kNoTint(1.0f);
+// Rays of a record, over its texels: it gets no more where light comes to change, since none are
+// ever given back.
+constexpr size_t kMostGrown = 4;
 
 // [texel]: the first of the rays besides the first.
 std::vector<size_t> firstOthers(const Strata& strata) {
@@ -22,8 +25,8 @@ std::vector<size_t> firstOthers(const Strata& strata) {
 }
 
 // The strata whose rays may have become others'.
-std::vector<uint32_t> changedStrata(const Hemisphere& h, std::span<const FaceDirections> faces,
-                                    const Anchors& anchors, const Strata& strata) {
+std::vector<uint32_t> changedStrata(const Hemisphere& h, const Anchors& anchors,
+                                    const Strata& strata) {
     std::vector<uint32_t> changed;
     for (size_t i = 0; i < strata.anchors.size(); ++i) {
         const uint32_t anchor = strata.anchors[i];
@@ -36,6 +39,7 @@ std::vector<uint32_t> changedStrata(const Hemisphere& h, std::span<const FaceDir
     if (!movers.any()) {
         return changed;
     }
+    const auto faces = directionsOfFaces(h, tangentFrame(strata.site.normal, 0.0f));
     std::vector<uint32_t> asked;
     std::vector<vec3> directions;
     std::vector<float> distances;
@@ -62,11 +66,11 @@ std::vector<uint32_t> changedStrata(const Hemisphere& h, std::span<const FaceDir
 }
 
 // [ray - texels]: the texel of each ray besides the first.
-std::vector<uint32_t> texelsOfOthers(const Strata& strata) {
-    std::vector<uint32_t> of;
+std::vector<size_t> texelsOfOthers(const Strata& strata) {
+    std::vector<size_t> of;
     of.reserve(strata.anchors.size() - strata.more.size());
     for (size_t t = 0; t < strata.more.size(); ++t) {
-        of.insert(of.end(), strata.more[t], static_cast<uint32_t>(t));
+        of.insert(of.end(), strata.more[t], t);
     }
     return of;
 }
@@ -76,6 +80,114 @@ std::vector<uint32_t> texelsOfOthers(const Strata& strata) {
 vec3 planeOf(const vec3& n, const vec3& way) {
     const float distance = glm::dot(n, way);
     return distance < 0.0f ? n / distance : vec3(0.0f);
+}
+
+// Casts rays of strata, whose numbers lie in `wanted`, and adds what they met to `met`.
+void castStrata(const Hemisphere& h, const LightForRays& by, const Anchors& anchors, Strata& strata,
+                std::span<const uint32_t> wanted, MetByRays& met) {
+    const auto faces = directionsOfFaces(h, tangentFrame(strata.site.normal, 0.0f));
+    const std::vector<size_t> others = firstOthers(strata);
+    const std::vector<size_t> of_others = texelsOfOthers(strata);
+    const size_t texels = strata.more.size();
+    TexelRays rays{.n_g = strata.site.geometric_normal};
+    std::vector<uint32_t> cast;
+    for (const uint32_t i : wanted) {
+        const size_t t = i < texels ? i : of_others[i - texels];
+        const int number = i < texels ? 0 : static_cast<int>(i - others[t]) + 1;
+        const float share = static_cast<float>(number == 0 ? 1 : 1 + strata.more[t]);
+        rays.add(texelRay(h, faces, t, number, strata.site.seed), h.solid_angles[t] / share, t,
+                 number, 0);
+        if (rays.of.size() > cast.size()) {
+            cast.push_back(i);
+        }
+    }
+    std::vector<Hit> hits(cast.size());
+    std::vector<vec3> planes(cast.size());
+    const std::vector<vec4> seen =
+        rays.cast(by.light, strata.eye, by.without_caustics, planes.data(), hits.data());
+    const Movers& movers = anchors.movers();
+    std::vector<uint8_t> hidden(cast.size());  // also by glass that moves
+    if (movers.any()) {
+        std::vector<float> distances;
+        for (const Hit& hit : hits) {
+            distances.push_back(hit.distance);
+        }
+        hidden = movers.hide(strata.eye, rays.directions, distances);
+    }
+    for (size_t k = 0; k < cast.size(); ++k) {
+        const Hit& hit = hits[k];
+        strata.anchors[cast[k]] = Strata::kTraced;
+        met.strata.push_back(cast[k]);
+        met.met.push_back({strata.eye, rays.directions[k], rays.solid_angles[k], hit});
+        met.seen.push_back(seen[k]);
+        met.planes.push_back(planes[k]);
+        met.by_movers.push_back(hidden[k] != 0 || (hit.found() && movers.moves(hit.triangle)));
+    }
+}
+
+// By what it is tied to, what a ray sees.
+vec4 lightOf(const Anchors& anchors, const Strata& strata, size_t ray) {
+    const uint32_t anchor = strata.anchors[ray];
+    return anchor < Strata::kFirstOther
+               ? vec4(anchors.light(anchor) * strata.tint(ray), strata.distances[ray])
+           : anchor == Strata::kNothing ? vec4(strata.tint(ray), 0.0f)
+                                        : vec4(0.0f);
+}
+
+// Of `count` rays, the first; of those that are traced what they met.
+std::vector<vec4> lightOfFirst(size_t count, const Anchors& anchors, const Strata& strata,
+                               const MetByRays& met) {
+    std::vector<vec4> seen(count);
+    for (size_t i = 0; i < count; ++i) {
+        seen[i] = lightOf(anchors, strata, i);
+    }
+    for (size_t k = 0; k < met.strata.size(); ++k) {
+        const size_t i = met.strata[k];
+        if (i < count && strata.anchors[i] == Strata::kTraced) {
+            seen[i] = met.seen[k];
+        }
+    }
+    return seen;
+}
+
+// Gives texels so many rays besides the first, no fewer than they have. Returns the new ones.
+std::vector<uint32_t> growTo(std::vector<uint8_t> more, Strata& strata, MetByRays& met) {
+    const size_t texels = more.size();
+    const std::vector<size_t> before = firstOthers(strata);
+    Strata grown{.site = {}, .eye = {}, .more = std::move(more)};
+    const std::vector<size_t> after = firstOthers(grown);
+    const size_t count = after.back() + grown.more.back();
+    grown.anchors.assign(count, Strata::kBelow);
+    grown.distances.assign(count, kInfinity);
+    grown.tints.assign(strata.tints.empty() ? 0 : count, kNoTint);
+    std::vector<uint32_t> becomes(strata.anchors.size());
+    const auto move = [&](size_t from, size_t to) {
+        becomes[from] = static_cast<uint32_t>(to);
+        grown.anchors[to] = strata.anchors[from];
+        grown.distances[to] = strata.distances[from];
+        if (!grown.tints.empty()) {
+            grown.tints[to] = strata.tints[from];
+        }
+    };
+    std::vector<uint32_t> added;
+    for (size_t t = 0; t < texels; ++t) {
+        move(t, t);
+        for (size_t k = 0; k < grown.more[t]; ++k) {
+            if (k < strata.more[t]) {
+                move(before[t] + k, after[t] + k);
+            } else {
+                added.push_back(static_cast<uint32_t>(after[t] + k));
+            }
+        }
+    }
+    for (uint32_t& i : met.strata) {
+        i = becomes[i];
+    }
+    strata.more = std::move(grown.more);
+    strata.anchors = std::move(grown.anchors);
+    strata.distances = std::move(grown.distances);
+    strata.tints = std::move(grown.tints);
+    return added;
 }
 
 }  // namespace
@@ -118,62 +230,42 @@ Strata makeStrata(const Hemisphere& h, const RecordSite& site, std::vector<uint8
     return strata;
 }
 
-MetByRays traceAnew(const Hemisphere& h, const OutgoingLight& light, bool without_caustics,
-                    const Anchors& anchors, Strata& strata) {
-    const mat3 frame = tangentFrame(strata.site.normal, 0.0f);
-    const std::vector<FaceDirections> faces = directionsOfFaces(h, frame);
+MetByRays traceChanged(const Hemisphere& h, const LightForRays& by, const Anchors& anchors,
+                       Strata& strata) {
     MetByRays met;
-    met.strata = changedStrata(h, faces, anchors, strata);
-    if (met.strata.empty()) {
-        return met;
-    }
-    const std::vector<size_t> others = firstOthers(strata);
-    const std::vector<uint32_t> of_others = texelsOfOthers(strata);
-    TexelRays rays{.n_g = strata.site.geometric_normal};
-    for (const uint32_t i : met.strata) {
-        const size_t texels = strata.more.size();
-        const size_t t = i < texels ? i : of_others[i - texels];
-        const int number = i < texels ? 0 : static_cast<int>(i - others[t]) + 1;
-        rays.add(texelRay(h, faces, t, number, strata.site.seed),
-                 h.solid_angles[t] / static_cast<float>(number == 0 ? 1 : 1 + strata.more[t]), t,
-                 number, 0);
-    }
-    std::vector<Hit> hits(rays.of.size());
-    met.planes.resize(hits.size());
-    met.seen = rays.cast(light, strata.eye, without_caustics, met.planes.data(), hits.data());
-    std::vector<float> distances;
-    for (size_t k = 0; k < hits.size(); ++k) {
-        strata.anchors[met.strata[k]] = Strata::kTraced;
-        met.met.push_back({strata.eye, rays.directions[k], rays.solid_angles[k], hits[k]});
-        distances.push_back(hits[k].distance);
-    }
-    // Also what is behind glass that moves.
-    met.by_movers.assign(hits.size(), 0);
-    if (anchors.movers().any()) {
-        met.by_movers = anchors.movers().hide(strata.eye, rays.directions, distances);
-    }
-    for (size_t k = 0; k < hits.size(); ++k) {
-        if (hits[k].found() && anchors.movers().moves(hits[k].triangle)) {
-            met.by_movers[k] = 1;
-        }
+    const std::vector<uint32_t> changed = changedStrata(h, anchors, strata);
+    if (!changed.empty()) {
+        castStrata(h, by, anchors, strata, changed, met);
     }
     return met;
 }
 
+void lookCloser(const Hemisphere& h, const LightForRays& by, const Anchors& anchors, Strata& strata,
+                MetByRays& met) {
+    met.first = lightOfFirst(strata.more.size(), anchors, strata, met);
+    const std::vector<float> light = relativeLight(met.first, weightsFor(h, strata.site.order));
+    std::vector<uint8_t> more = raysMore(contrastsOfNeighbours(h, light));
+    std::transform(more.begin(), more.end(), strata.more.begin(), more.begin(),
+                   [](uint8_t a, uint8_t b) { return std::max(a, b); });
+    if (more != strata.more && strata.anchors.size() < kMostGrown * more.size()) {
+        castStrata(h, by, anchors, strata, growTo(std::move(more), strata, met), met);
+    }
+}
+
 void tie(const Scene& scene, Anchors& anchors, std::span<Strata* const> strata,
-         std::span<const MetByRays> met) {
+         std::span<MetByRays> met) {
     std::vector<std::vector<std::optional<Anchors::Link>>> found(strata.size());
     parallelFor(static_cast<int>(strata.size()), [&](int r) {
         const auto k = static_cast<size_t>(r);
         found[k].resize(met[k].met.size());
-        for (size_t i = 0; i < met[k].met.size(); ++i) {
+        for (size_t i = met[k].tied; i < met[k].met.size(); ++i) {
             if (met[k].met[i].hit.found() && met[k].by_movers[i] == 0) {
                 found[k][i] = anchors.find(scene, met[k].met[i]);
             }
         }
     });
     for (size_t k = 0; k < strata.size(); ++k) {
-        for (size_t i = 0; i < met[k].met.size(); ++i) {
+        for (size_t i = met[k].tied; i < met[k].met.size(); ++i) {
             const size_t stratum = met[k].strata[i];
             const Anchors::Met& m = met[k].met[i];
             if (met[k].by_movers[i] != 0) {
@@ -196,40 +288,41 @@ void tie(const Scene& scene, Anchors& anchors, std::span<Strata* const> strata,
                 of.setTint(stratum, link->tint);
             }
         }
+        met[k].tied = met[k].met.size();
     }
 }
 
-SeenTexels texelsOf(const Anchors& anchors, const Strata& strata, const MetByRays& met) {
+SeenTexels texelsOf(const Anchors& anchors, const Strata& strata, MetByRays& met) {
     const size_t texels = strata.more.size();
     const mat3 frame = tangentFrame(strata.site.normal, 0.0f);
-    std::vector<vec4> seen(strata.anchors.size());
     SeenTexels result;
     result.planes.resize(texels);
-    for (size_t i = 0; i < seen.size(); ++i) {
-        const uint32_t anchor = strata.anchors[i];
-        if (anchor < Strata::kFirstOther) {
-            seen[i] = vec4(anchors.light(anchor) * strata.tint(i), strata.distances[i]);
-            if (i < texels) {
-                const vec3 way = anchors.position(anchor) - strata.eye;
-                result.planes[i] = planeOf(anchors.normal(anchor), way) * frame;
-            }
-        } else if (anchor == Strata::kNothing) {
-            seen[i] = vec4(strata.tint(i), 0.0f);
+    for (size_t t = 0; t < texels; ++t) {
+        if (strata.anchors[t] < Strata::kFirstOther) {
+            const Anchors::Point& p = anchors.point(strata.anchors[t]);
+            result.planes[t] = planeOf(p.normal, p.position - strata.eye) * frame;
         }
     }
     for (size_t k = 0; k < met.strata.size(); ++k) {
-        const size_t i = met.strata[k];
-        if (strata.anchors[i] == Strata::kTraced) {
-            seen[i] = met.seen[k];
-            if (i < texels) {
-                result.planes[i] = met.planes[k] * frame;
-            }
+        if (met.strata[k] < texels && strata.anchors[met.strata[k]] == Strata::kTraced) {
+            result.planes[met.strata[k]] = met.planes[k] * frame;
         }
     }
-    result.light.assign(seen.begin(), seen.begin() + static_cast<ptrdiff_t>(texels));
-    const std::vector<uint32_t> of_others = texelsOfOthers(strata);
-    const std::vector<size_t> of(of_others.begin(), of_others.end());
-    addRays(of, std::span(seen).subspan(texels), strata.more, result.light);
+    result.light = std::move(met.first);
+    if (result.light.empty()) {
+        result.light = lightOfFirst(texels, anchors, strata, met);
+    }
+    const size_t count = strata.anchors.size() - texels;
+    std::vector<vec4> others(count);
+    for (size_t i = 0; i < count; ++i) {
+        others[i] = lightOf(anchors, strata, texels + i);
+    }
+    for (size_t k = 0; k < met.strata.size(); ++k) {
+        const size_t i = met.strata[k];
+        vec4& seen = i < texels ? result.light[i] : others[i - texels];
+        seen = strata.anchors[i] == Strata::kTraced ? met.seen[k] : lightOf(anchors, strata, i);
+    }
+    addRays(texelsOfOthers(strata), others, strata.more, result.light);
     return result;
 }
 

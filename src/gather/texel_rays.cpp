@@ -1,6 +1,7 @@
 #include "gather/texel_rays.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rays/jitter.h"
 
@@ -14,6 +15,10 @@ constexpr int kBlockHeight = Tracer::kPacket / kBlockWidth;
 // Steps of the R2 sequence, whose points fill a square evenly, however many there are [Rob18].
 constexpr vec2 kSpread(0.7548777f, 0.5698403f);
 
+// A texel gets a ray more for each average texel's worth of light that it varies by: for a given
+// number of rays a sum's variance is least where each texel has them in proportion to its standard
+// deviation [Ney34].
+constexpr float kMostRays = 64.0f;
 // Where in its texel a ray goes through. The others are spread evenly over it from a random place
 // on [Rob18].
 vec2 placeInTexel(const Hemisphere& h, size_t texel, int number, uint32_t seed) {
@@ -26,6 +31,53 @@ vec2 placeInTexel(const Hemisphere& h, size_t texel, int number, uint32_t seed) 
 }
 
 }  // namespace
+
+std::span<const float> weightsFor(const Hemisphere& h, int order) {
+    return order == shared::DIFFUSE_ORDER ? h.cosines : h.solid_angles;
+}
+
+std::vector<float> relativeLight(std::span<const vec4> texels, std::span<const float> weights) {
+    std::vector<float> light(texels.size());
+    float sum = 0.0f;
+    for (size_t t = 0; t < texels.size(); ++t) {
+        light[t] = (texels[t].x + texels[t].y + texels[t].z) * weights[t];
+        sum += light[t];
+    }
+    const float scale = static_cast<float>(texels.size()) / sum;
+    if (!std::isfinite(scale)) {
+        return std::vector<float>(texels.size());  // dark, or nearly
+    }
+    for (float& l : light) {
+        l *= scale;
+    }
+    return light;
+}
+
+std::vector<float> contrastsOfNeighbours(const Hemisphere& h, std::span<const float> light) {
+    std::vector<float> least(light.size(), kInfinity);
+    std::vector<float> most(light.size(), 0.0f);
+    const auto heed = [&](uint32_t t, uint32_t neighbour) {
+        least[t] = std::min(least[t], light[neighbour]);
+        most[t] = std::max(most[t], light[neighbour]);
+    };
+    for (const HemisphereWall& wall : h.walls) {
+        heed(wall.a, wall.b);
+        heed(wall.b, wall.a);
+    }
+    for (size_t t = 0; t < light.size(); ++t) {
+        most[t] = std::max(most[t] - least[t], 0.0f);
+    }
+    return most;
+}
+
+std::vector<uint8_t> raysMore(std::span<const float> contrasts) {
+    std::vector<uint8_t> more(contrasts.size());
+    std::transform(contrasts.begin(), contrasts.end(), more.begin(), [](float contrast) {
+        return static_cast<uint8_t>(contrast >= kLeastContrast ? std::min(contrast, kMostRays)
+                                                               : 0.0f);
+    });
+    return more;
+}
 
 void TexelRays::reserve(size_t count) {
     directions.reserve(count);

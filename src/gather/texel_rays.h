@@ -39,6 +39,23 @@ vec3 texelRay(const Hemisphere& h, std::span<const FaceDirections> faces, size_t
 TexelRays raysThroughTexels(const Hemisphere& h, std::span<const FaceDirections> faces,
                             const vec3& n_g, uint32_t seed);
 
+/// What a texel's light counts for: irradiance weighs it by its cosine, lobes anywhere.
+std::span<const float> weightsFor(const Hemisphere& h, int order);
+
+/// Light of texels, over their average.
+std::vector<float> relativeLight(std::span<const vec4> texels, std::span<const float> weights);
+
+/// By how much light changes across each texel, judged by its neighbours and, but for its share of
+/// the average, never by its own ray: were it looked at closer because its ray met something
+/// bright, but not because it missed it, light would be lost.
+std::vector<float> contrastsOfNeighbours(const Hemisphere& h, std::span<const float> light);
+
+/// From so much contrast on a texel is looked at closer.
+constexpr float kLeastContrast = 2.0f;
+
+/// [texel]: so many rays go through it besides the first.
+std::vector<uint8_t> raysMore(std::span<const float> contrasts);
+
 /// The others, [texel] so many.
 TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const FaceDirections> faces,
                                 const vec3& n_g, uint32_t seed, std::span<const uint8_t> more);

@@ -86,8 +86,8 @@ class FrameSequence {
     int at_ = 0;  // the frame that the scene was moved to last
     std::unique_ptr<Session> session_;
     std::optional<RenderResult> last_;
-    std::optional<Places> places_;  // of the frame whose records were gathered last
-    KeptRecords kept_;              // likewise
+    std::optional<Places> places_;      // of the frame whose records were gathered last
+    KeptRecords kept_;                  // likewise
     std::shared_ptr<Anchors> anchors_;  // of those
     size_t anchors_used_ = 0;           // when they were counted last
     std::deque<GatheredFrame> ahead_;
