@@ -6,6 +6,7 @@
 
 #include "gather/ray_gather.h"
 #include "gather/strata.h"
+#include "scene/animation.h"
 #include "test_light.h"
 #include "test_scenes.h"
 #include "test_sites.h"
@@ -111,6 +112,25 @@ TEST(Strata, LightThatDoublesDoublesRecordsInTheSameFrame) {
             }
         }
     }
+}
+
+TEST(Strata, OfARoomWithASpotSayWhatTheRaysSaw) {
+    const Scene scene = sceneAt(std::string(SHEEN_SCENES) + "/kite.glb", 0.0);
+    const Tracer tracer(scene);
+    Random random(3);
+    std::vector<RecordSite> sites;
+    for (uint32_t i = 0; i < 24; ++i) {
+        const vec3 middle(0, 1, 0);
+        const vec3 d = random.direction();
+        Hit hit;
+        tracer.meet({.origin = middle, .directions = {&d, 1}}, &hit);
+        const vec3 n =
+            shared::faceViewer(geometricNormal(scene, static_cast<int>(hit.triangle)), -d);
+        sites.push_back(siteAt(middle + hit.distance * d, n));
+        sites.back().seed = pcgHash(i);
+    }
+    const Followed followed(scene, sites);
+    EXPECT_LT(differenceOf(followed.records, gatheredAnew(scene, sites)), 0.01);
 }
 
 // ---- What moves ---------------------------------------------------------------------------------
@@ -275,6 +295,31 @@ TEST(Anchors, AreSharedWhereNormalsAgreeNearby) {
     anchors.beginFrame(scene, moves, 0);
     EXPECT_FALSE(anchors.stands(added->anchor));
     EXPECT_FALSE(anchors.find(scene, met));
+}
+
+TEST(Anchors, LieWithinWhatRaysStandFor) {
+    const Scene scene = roomWithMovingBoard(0.0f);
+    const Tracer tracer(scene);
+    Anchors anchors;
+    anchors.beginFrame(scene, {}, 0);
+    Random random(3);
+    size_t shared = 0;
+    for (int i = 0; i < 20000; ++i) {
+        Anchors::Met met{.origin = random.point(-0.5f, 0.5f),
+                         .direction = random.direction(),
+                         .solid_angle = 0.1f * std::exp2(-static_cast<float>(i % 8)),
+                         .hit = {}};
+        tracer.meet({.origin = met.origin, .directions = {&met.direction, 1}}, &met.hit);
+        const size_t before = anchors.size();
+        const auto link = anchors.findOrAdd(scene, met);
+        ASSERT_TRUE(link);
+        shared += anchors.size() == before ? 1 : 0;
+        const vec3 p = met.origin + met.hit.distance * met.direction;
+        const float width = met.hit.distance * std::sqrt(met.solid_angle);
+        // The diagonal of a cell whose edge is at most 0.5 sqrt(2) of the width.
+        ASSERT_LE(glm::distance(anchors.point(link->anchor).position, p), 1.25f * width) << i;
+    }
+    EXPECT_GT(shared, 2000u);
 }
 
 TEST(Anchors, RoomForRaysIsBounded) {

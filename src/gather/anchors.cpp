@@ -17,6 +17,14 @@ constexpr float kMostTint = 4.0f;
 // Of a lobe's alpha: rays that come from directions closer together see the same of it.
 constexpr float kSameLobe = 0.5f;
 
+// Whether a triangle's vertices have different colours.
+bool colored(const Scene& scene, uint32_t triangle) {
+    const uvec3& t = scene.triangles[triangle];
+    return !scene.colors.empty() &&
+           !(scene.colors[t.x] == scene.colors[t.y] && scene.colors[t.x] == scene.colors[t.z] &&
+             scene.colors[t.x] == vec4(1.0f));
+}
+
 // The cell of space around a point whose edge is about as wanted: a hash of its place and size.
 uint64_t cellOf(const vec3& p, float wanted) {
     const float level = std::floor(std::log2(std::max(wanted, 1e-30f)) + 0.5f);
@@ -24,11 +32,11 @@ uint64_t cellOf(const vec3& p, float wanted) {
     // Surfaces often lie at round numbers, where cells should not meet.
     const vec3 place = p / edge + vec3(0.3711f, 0.6173f, 0.4519f);
     const vec3 corner = glm::clamp(glm::floor(place), vec3(-2e9f), vec3(2e9f));
-    uint64_t hash = static_cast<uint64_t>(static_cast<int64_t>(level));
-    for (int axis = 0; axis < 3; ++axis) {
+    uint64_t hash = 0;
+    for (const float number : {level, corner.x, corner.y, corner.z}) {
         // As SplitMix64 mixes.
-        hash = (hash + static_cast<uint64_t>(static_cast<int64_t>(corner[axis]))) *
-               0xbf58476d1ce4e5b9u;
+        hash += static_cast<uint64_t>(static_cast<int64_t>(number));
+        hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
         hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
         hash ^= hash >> 31;
     }
@@ -66,13 +74,15 @@ Anchors::Surface Anchors::surfaceOf(const Scene& scene, const Met& met) {
     surface.material = scene.materials_of[hit.triangle];
     const Material& material = scene.materials[surface.material];
     const bool lambertian = isLambertian(material);
-    if (!lambertian || material.textured() || !scene.colors.empty()) {
+    // Of what is not textured the direction alone makes a difference, which lobes' does.
+    const bool varies = material.textured() || colored(scene, hit.triangle);
+    if (!lambertian || varies) {
         const Scatterer scatterer = scattererAt(scene, p);
         surface.color = scatterer.brdf.diffuse + scatterer.brdf.f0;
         surface.alpha = lambertian ? 0.0f : scatterer.brdf.alpha;
     }
-    if (!material.textured() && scene.colors.empty()) {
-        surface.color = vec3(1.0f);  // whatever the direction makes of it
+    if (!varies) {
+        surface.color = vec3(1.0f);
     }
     surface.cell = cellOf(p.position, kCell * hit.distance * std::sqrt(met.solid_angle));
     return surface;
