@@ -48,7 +48,7 @@ struct Followed {
         for (GatheredRecord& record : records) {
             all.push_back(&record);
         }
-        gatherer.follow(all);
+        gatherer.follow(all, false);
         return gatherer.rays();
     }
 };

@@ -98,7 +98,7 @@ void followStrata(const Scene& scene, const Receivers& receivers, const Ageing& 
             followed.push_back(&found);
         }
     }
-    gatherer.follow(followed);
+    gatherer.follow(followed, ageing.stands);
 }
 
 // What mixing takes of a record.

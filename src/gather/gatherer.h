@@ -85,7 +85,11 @@ class Gatherer {
     /// sites stand still; `anchors`, of the frame that has begun, must outlive it.
     virtual void keepStrata(Anchors& anchors) { static_cast<void>(anchors); }
     /// Brings records that have strata up to date: the light that they say is that of this frame.
-    virtual void follow(std::span<GatheredRecord* const> records) { static_cast<void>(records); }
+    /// `turned`: nothing has changed but who looks at them, so that only what their lobes see does.
+    virtual void follow(std::span<GatheredRecord* const> records, bool turned) {
+        static_cast<void>(records);
+        static_cast<void>(turned);
+    }
 
     /// Time spent so far.
     GatherSeconds seconds() const { return seconds_; }

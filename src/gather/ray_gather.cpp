@@ -234,7 +234,28 @@ void RayGatherer::tieGathered(std::span<const Resolution* const> resolutions,
     });
 }
 
-void RayGatherer::follow(std::span<GatheredRecord* const> records) {
+// What the record has become. It takes what stays of `before`.
+GatheredRecord RayGatherer::followed(const Resolution& resolution, MetByRays& met,
+                                     GatheredRecord& before, bool turned) const {
+    const Hemisphere& h = resolution.hemisphere;
+    const RecordSite& site = before.strata->site;
+    const SeenTexels texels = texelsOf(*anchors_, *before.strata, met);
+    if (turned) {
+        GatheredRecord now = std::move(before);
+        seeThroughLobe(h, texels.light, now.strata->site, tangentFrame(now.record.normal, 0.0f),
+                       now);
+        return now;
+    }
+    GatheredRecord now =
+        integrateHemisphere(h, texels, resolution.projections.of(site.order), site);
+    now.contrasts = std::move(before.contrasts);
+    now.eye = before.eye;
+    now.age = before.age;
+    now.strata = std::move(before.strata);
+    return now;
+}
+
+void RayGatherer::follow(std::span<GatheredRecord* const> records, bool turned) {
     constexpr size_t kTogether = 256;
     for (size_t first = 0; first < records.size(); first += kTogether) {
         const auto some = records.subspan(first, std::min(kTogether, records.size() - first));
@@ -261,15 +282,7 @@ void RayGatherer::follow(std::span<GatheredRecord* const> records) {
         const Timer project_timer;
         parallelFor(count, [&](int k) {
             const auto i = static_cast<size_t>(k);
-            const Hemisphere& h = resolutions[i]->hemisphere;
-            GatheredRecord now = integrateHemisphere(
-                h, texelsOf(*anchors_, *strata[i], met[i]),
-                resolutions[i]->projections.of(strata[i]->site.order), strata[i]->site);
-            now.contrasts = std::move(some[i]->contrasts);
-            now.strata = std::move(some[i]->strata);
-            now.eye = some[i]->eye;
-            now.age = some[i]->age;
-            *some[i] = std::move(now);
+            *some[i] = followed(*resolutions[i], met[i], *some[i], turned);
         });
         seconds_.project += project_timer.seconds();
         for (const MetByRays& m : met) {

@@ -37,7 +37,7 @@ class RayGatherer : public Gatherer {
     void lookAheadBy(const Motion& motion) override { motion_ = &motion; }
     std::vector<float> changesSince(std::span<const GatheredRecord* const> records) override;
     void keepStrata(Anchors& anchors) override;
-    void follow(std::span<GatheredRecord* const> records) override;
+    void follow(std::span<GatheredRecord* const> records, bool turned) override;
 
     /// Rays cast so far from records, those from what they met to the lights not counted.
     int64_t rays() const { return rays_cast_; }
@@ -56,6 +56,8 @@ class RayGatherer : public Gatherer {
         MetByRays met = {};  // of those
     };
     Resolution& resolutionOf(int side, std::span<const RecordSite> sites);
+    GatheredRecord followed(const Resolution& resolution, MetByRays& met, GatheredRecord& before,
+                            bool turned) const;
     bool keepsStrata(const RecordSite& site) const;
     void tieTogether(std::span<Strata* const> strata, std::span<MetByRays> met);
     void tieGathered(std::span<const Resolution* const> resolutions, std::span<Seen> seen);
