@@ -83,6 +83,20 @@ TEST(ScatteredAgain, FindsTheSameWithoutElements) {
     EXPECT_EQ(again.missedShare(), 1.0);
 }
 
+// For all bounces cells gather what is not kept, each once.
+TEST(ScatteredAgain, GathersWithoutElements) {
+    const vec3 eye(0.4f, 0.3f, -0.2f);
+    const Scene scene = sphereRoom(0.5f);
+    const Tracer tracer(scene);
+    const ScatteredOnce once(tracer);
+    const ScatteredAgain again(once, std::make_unique<ElementLight>(once, Elements(), kAllBounces),
+                               {}, kAllBounces);
+    constexpr double kNoise = 0.02;
+    const double expected = meanRadiance(once, eye).y * 2.0;
+    EXPECT_NEAR(meanRadiance(again, eye).y, expected, kNoise * expected);
+    EXPECT_EQ(again.missedShare(), 1.0);
+}
+
 // A wall without thickness parts a lit room from one that no light enters.
 TEST(ScatteredAgain, DoesNotLeakThroughAThinWall) {
     Scene scene;
@@ -185,21 +199,29 @@ TEST(ScatteredAgain, DoesNotDependOnThreads) {
     const Scene scene = glossyRoom();
     const vec3 eye(0.1f, 0.2f, 0.3f);
     const std::vector<vec3> eyes = {eye, vec3(-0.3f, 0.1f, 0.2f), vec3(0.2f, -0.4f, -0.1f)};
+    const Tracer tracer(scene);
+    const ScatteredOnce once(tracer);
     const int threads = threadCount();
-    std::vector<std::vector<vec3>> means;
-    for (const int count : {1, 4}) {
-        setThreadCount(count);
-        const Lit lit(scene, eye, kAllBounces);
-        std::vector<vec3> seen(eyes.size());
-        parallelFor(static_cast<int>(eyes.size()), [&](int i) {
-            const auto k =
-                static_cast<size_t>(count == 1 ? i : static_cast<int>(eyes.size()) - 1 - i);
-            seen[k] = meanRadiance(lit.again, eyes[k]);
-        });
-        means.push_back(seen);
+    for (const bool kept : {true, false}) {
+        std::vector<std::vector<vec3>> means;
+        for (const int count : {1, 4}) {
+            setThreadCount(count);
+            Elements elements =
+                kept ? placeElements(tracer, seenFrom(tracer, eye, 256)) : Elements();
+            const ScatteredAgain again(
+                once, std::make_unique<ElementLight>(once, std::move(elements), kAllBounces), {},
+                kAllBounces);
+            std::vector<vec3> seen(eyes.size());
+            parallelFor(static_cast<int>(eyes.size()), [&](int i) {
+                const auto k =
+                    static_cast<size_t>(count == 1 ? i : static_cast<int>(eyes.size()) - 1 - i);
+                seen[k] = meanRadiance(again, eyes[k]);
+            });
+            means.push_back(seen);
+        }
+        EXPECT_EQ(means[0], means[1]) << (kept ? "kept" : "gathered");
     }
     setThreadCount(threads);
-    EXPECT_EQ(means[0], means[1]);
 }
 
 // Elements far from the origin, or in scenes of other units, are found as well.

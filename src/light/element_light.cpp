@@ -211,9 +211,16 @@ ElementLight::Neighbours ElementLight::neighbours(const vec3& p, const vec3& n) 
     const float unit = spread > 0.0f ? std::sqrt(sum / spread) : 1.0f;
     mat3 normal(0.0f);
     for (size_t k = 0; k < near.count; ++k) {
-        const vec3 one(1.0f, unit * places[k]);
-        normal += glm::outerProduct(one, one) * (near.weights[k] / sum);
+        const vec2 place = unit * places[k];
+        const float weight = near.weights[k] / sum;
+        normal[0] += vec3(1.0f, place) * weight;
+        normal[1][1] += place.x * place.x * weight;
+        normal[1][2] += place.x * place.y * weight;
+        normal[2][2] += place.y * place.y * weight;
     }
+    normal[1][0] = normal[0][1];
+    normal[2][0] = normal[0][2];
+    normal[2][1] = normal[1][2];
     normal[1][1] += kStiffness;
     normal[2][2] += kStiffness;
     const vec3 plane = glm::inverse(normal)[0];

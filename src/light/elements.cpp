@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/directions.h"
 
@@ -31,7 +32,7 @@ uint64_t mix(uint64_t x) {
 
 Elements::Elements(ByteReader& in)
     : elements_(in.get<std::vector<Element>>()),
-      levels_(in.get<std::vector<int>>()),
+      levels_(in.get<std::vector<Level>>()),
       voxels_(in.get<std::vector<Voxel>>()),
       filled_(in.get<size_t>()),
       links_(in.get<std::vector<Link>>()) {}
@@ -87,7 +88,7 @@ size_t Elements::slotOf(uint64_t key) const {
     return slot;
 }
 
-void Elements::enter(uint64_t key, uint32_t element) {
+void Elements::enter(uint64_t key, const Link& link) {
     if (2 * filled_ >= voxels_.size()) {
         std::vector<Voxel> old(2 * voxels_.size());
         old.swap(voxels_);
@@ -99,17 +100,21 @@ void Elements::enter(uint64_t key, uint32_t element) {
     }
     Voxel& voxel = voxels_[slotOf(key)];
     filled_ += voxel.first == kNone ? 1 : 0;
-    links_.push_back({.element = element, .next = voxel.first});
+    links_.push_back(link);
+    links_.back().next = voxel.first;
     voxel = {.key = key, .first = static_cast<uint32_t>(links_.size() - 1)};
 }
 
 bool Elements::lacks(const ElementSite& site) const {
     bool lacking = true;
-    forEachIn(site.side.position, [&](size_t i) {
+    forEachAround(site.side.position, [&](size_t i) {
+        if (!lacking) {
+            return;
+        }
         const Element& e = elements_[i];
         const vec3 d = site.side.position - e.site.side.position;
-        lacking &= glm::dot(d, d) >= e.site.spacing * e.site.spacing ||
-                   e.weight(site.side.position, site.normal) <= 0.0f;
+        lacking = glm::dot(d, d) >= e.site.spacing * e.site.spacing ||
+                  e.weight(site.side.position, site.normal) <= 0.0f;
     });
     return lacking;
 }
@@ -127,7 +132,8 @@ void Elements::index(size_t i) {
     // No voxel is smaller than what floats tell apart there, nor than 18 bits of a key hold.
     const float least =
         std::max(0x1p-16f * maxAbs(site.side.position), std::numeric_limits<float>::min());
-    const int level = std::ilogb(std::max(reach, least));
+    const int log = std::ilogb(std::max(reach, least));
+    const int level = log + (log & 1);  // every other one: fewer to look into
     const float scale = std::ldexp(1.0f, -level);
     const vec3 lower = glm::floor((site.side.position - reach) * scale);
     const vec3 upper = glm::floor((site.side.position + reach) * scale);
@@ -138,14 +144,18 @@ void Elements::index(size_t i) {
                 const vec3 middle = (vec3(x, y, z) + 0.5f) / scale - site.side.position;
                 if (std::abs(glm::dot(middle, site.normal)) <=
                     kOffSurface * reach + 0.87f / scale) {
-                    enter(keyOf(level, vec3(x, y, z)), static_cast<uint32_t>(i));
+                    enter(keyOf(level, vec3(x, y, z)), {.position = site.side.position,
+                                                        .reach2 = reach * reach,
+                                                        .element = static_cast<uint32_t>(i),
+                                                        .next = kNone});
                 }
             }
         }
     }
-    const auto place = std::lower_bound(levels_.begin(), levels_.end(), level);
-    if (place == levels_.end() || *place != level) {
-        levels_.insert(place, level);
+    const auto place = std::find_if(levels_.begin(), levels_.end(),
+                                    [&](const Level& l) { return l.level >= level; });
+    if (place == levels_.end() || place->level != level) {
+        levels_.insert(place, {.level = level, .scale = scale});
     }
 }
 
@@ -157,6 +167,23 @@ void Elements::reindex() {
     for (size_t i = 0; i < elements_.size(); ++i) {
         index(i);
     }
+    sortLinks();
+}
+
+// Each voxel's list lies in one piece.
+void Elements::sortLinks() {
+    std::vector<Link> sorted;
+    sorted.reserve(links_.size());
+    for (Voxel& voxel : voxels_) {
+        uint32_t next = std::exchange(
+            voxel.first, voxel.first == kNone ? kNone : static_cast<uint32_t>(sorted.size()));
+        while (next != kNone) {
+            sorted.push_back(links_[next]);
+            next = links_[next].next;
+            sorted.back().next = next == kNone ? kNone : static_cast<uint32_t>(sorted.size());
+        }
+    }
+    links_.swap(sorted);
 }
 
 void Elements::know(size_t i, const Ways& free, float spacing) {

@@ -55,7 +55,7 @@ class Elements {
     /// weights above 0, not normalised.
     template <class F>
     void around(const vec3& p, const vec3& n, const F& body) const {
-        forEachIn(p, [&](size_t i) {
+        forEachAround(p, [&](size_t i) {
             const float weight = elements_[i].weight(p, n);
             if (weight > 0.0f) {
                 body(i, weight);
@@ -80,26 +80,39 @@ class Elements {
         uint64_t key = 0;
         uint32_t first = kNone;  // link; kNone: the slot is free
     };
+    // What most elements of a voxel are told by that they do not reach a point.
     struct Link {
+        vec3 position;
+        float reach2;
         uint32_t element, next;
+    };
+    struct Level {
+        int level;    // of voxels that there are: their size is 2^level
+        float scale;  // 2^-level
     };
     void index(size_t i);
     static uint64_t keyOf(int level, const vec3& scaled);
     size_t slotOf(uint64_t key) const;
-    void enter(uint64_t key, uint32_t element);
+    void enter(uint64_t key, const Link& link);
+    void sortLinks();
 
+    // Those that reach as far as p, at least.
     template <class F>
-    void forEachIn(const vec3& p, const F& body) const {
-        for (const int level : levels_) {
-            const Voxel& voxel = voxels_[slotOf(keyOf(level, p * std::ldexp(1.0f, -level)))];
-            for (uint32_t link = voxel.first; link != kNone; link = links_[link].next) {
-                body(links_[link].element);
+    void forEachAround(const vec3& p, const F& body) const {
+        for (const Level& level : levels_) {
+            const Voxel& voxel = voxels_[slotOf(keyOf(level.level, p * level.scale))];
+            for (uint32_t i = voxel.first; i != kNone; i = links_[i].next) {
+                const Link& link = links_[i];
+                const vec3 d = p - link.position;
+                if (glm::dot(d, d) < link.reach2) {
+                    body(link.element);
+                }
             }
         }
     }
 
     std::vector<Element> elements_;
-    std::vector<int> levels_;  // of voxels that there are: their size is 2^level
+    std::vector<Level> levels_;
     std::vector<Voxel> voxels_ = std::vector<Voxel>(64);
     size_t filled_ = 0;
     std::vector<Link> links_;

@@ -48,14 +48,28 @@ class IrradianceCells {
             packed = found ? pack(*found) : kNothing;
             cell.store(packed, std::memory_order_relaxed);
         }
-        return packed == kNothing ? std::nullopt : std::optional(unpack(packed));
+        return (packed & kNoAnswer) != 0 ? std::nullopt : std::optional(unpack(packed));
+    }
+    /// What gather(), a colour, says of a cell of which find() said nothing: likewise the same
+    /// whoever asks. What at() says does not depend on whether anybody has.
+    template <class Gather>
+    vec3 gatheredAt(const Cell& place, const Gather& gather) const {
+        std::atomic<uint64_t>& cell = cells_[place.cell];
+        uint64_t packed = cell.load(std::memory_order_relaxed);
+        if (packed == kNothing) {
+            packed = pack(gather()) | kNoAnswer;
+            cell.store(packed, std::memory_order_relaxed);
+        }
+        return unpack(packed);
     }
     /// Cells lie anywhere in memory: by the time that one is read, it has arrived.
     void prefetch(const Hit& hit) const { __builtin_prefetch(&cells_[placeOf(hit).cell]); }
 
   private:
     static constexpr float kLargestOfRay = 16.0f;
-    // No numbers: bits beyond those of three channels.
+    // A bit beyond those of three channels: find() did not say what else there is.
+    static constexpr uint64_t kNoAnswer = uint64_t{1} << 63u;
+    // No numbers.
     static constexpr uint64_t kUnknown = ~uint64_t{0};
     static constexpr uint64_t kNothing = kUnknown - 1;
     static constexpr uint64_t kParted = kUnknown - 2;

@@ -1,7 +1,7 @@
 // Light scattered more than once: what surfaces receive from each other, and is kept, is added to
-// what lights, lamps and the sky do to what a ray meets. What a lobe reflects there, and where
-// nothing is kept near, is found along one more ray. Based on: [JC98, 5] for asking what is kept
-// only where it is seen from afar.
+// what lights, lamps and the sky do to what a ray meets. What a lobe reflects there is found along
+// one more ray, and where nothing is kept near by a few rays of the cell, or one of the point.
+// Based on: [JC98, 5] for asking what is kept only where it is seen from afar.
 #pragma once
 
 #include <atomic>
@@ -35,9 +35,18 @@ class ScatteredAgain : public OutgoingLight {
     double missedShare() const;
 
   private:
+    // Where nothing is kept near, cells are gathered, or not: then ways go on from each point.
+    enum class Lacking : uint8_t { kGathered, kFollowed };
+    // How often something kept was asked for, and how often nothing was near.
+    struct Asked {
+        int64_t all = 0, missed = 0;
+    };
+    Asked see(const Rays& rays, std::span<const Hit> hits, vec3* radiance, Lacking lacking) const;
+    vec3 gathered(const ElementSite& site, uint32_t seed) const;
+
     const WaysOn ways_;
     const std::unique_ptr<const KeptLight> kept_;
-    IrradianceCells cells_;  // of what is kept, for light of all bounces
+    IrradianceCells cells_;  // of what is kept or gathered, for light of all bounces
     mutable std::atomic<int64_t> asked_{0}, missed_{0};
 };
 
