@@ -9,7 +9,8 @@
 namespace sheen {
 namespace {
 
-// A cell's edge over that of what the ray that asks stands for, in powers of two.
+// A cell's edge over the width of what the ray that asks stands for, before it is rounded to a
+// power of two.
 constexpr float kCell = 0.5f;
 constexpr float kSameNormal = 0.95f;
 // Within this factor of what another point reflects its light tells of a point's.
