@@ -19,6 +19,7 @@ METHODS = {
     "temporal, extrapolated": ["--lifespan", "4"],
     "temporal, interpolated": ["--lifespan", "4", "--temporal-gradients", "interpolated"],
     "temporal, interpolated, 12 frames": ["--lifespan", "12", "--temporal-gradients", "interpolated"],
+    "anchors": ["--anchors"],
     "k-means anew": ["--placement", "kmeans"],
     "k-means, interpolated": ["--placement", "kmeans", "--lifespan", "4", "--temporal-gradients", "interpolated"],
     "hints": ["--method", "hints"],

@@ -143,6 +143,10 @@ TEST_F(CliAnimate, Errors) {
                                 limit),
                     ExitCode::kUsage, "interpolated: gathers records before");
     }
+    for (const char* options : {"--lifespan 4", "--method reference", "--gather plane"}) {
+        expectError(fmt::format("animate scene.gltf -o %d.exr --anchors {}", options),
+                    ExitCode::kUsage, "--anchors: ");
+    }
     expectError("animate none.gltf -o %d.exr", ExitCode::kInput, "none.gltf");
     writeScene([](Json& json) { json["animations"][0]["samplers"][0]["input"] = 77; });
     expectError("animate scene.gltf -o %d.exr", ExitCode::kInput, "accessor 77");

@@ -177,6 +177,7 @@ TEST_F(MpiAnimate, ErrorsOfAllRanksAreOneLine) {
     expect_line("animate scene.gltf", 2, "--output is required");
     expect_line("animate none.gltf -o %d.exr", 3, "none.gltf");
     expect_line("animate scene.gltf -o %d.exr --lifespan 4", 2, "--lifespan");
+    expect_line("animate scene.gltf -o %d.exr --anchors", 2, "--anchors");
     expect_line("animate scene.gltf -o scene.bin/%d.exr", 4, "scene.bin");
 }
 

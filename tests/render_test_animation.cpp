@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/parallel.h"
 #include "render/animation.h"
 #include "test_render.h"
 
@@ -249,6 +250,68 @@ TEST(LivingRecords, OfAMovingCameraTheyDoNotAge) {
     EXPECT_EQ(sequence.change(), SceneChange::kCameras);
     EXPECT_GT(stats.records_reused, 0);
     EXPECT_EQ(stats.records_renewed, 0);
+}
+
+// ---- Records that are followed ------------------------------------------------------------------
+
+const SequenceParams kByAnchors = {.anchors = true};
+
+TEST(FollowedRecords, ASceneThatStandsStillHasTheSameBits) {
+    const auto frames = framesOf("doors.glb", kByAnchors, {2, 3, 5, 8});
+    for (const RenderResult& each : frames) {
+        EXPECT_TRUE(sameBits(each.frame.indirect, frames[0].frame.indirect));
+    }
+}
+
+TEST(FollowedRecords, FewerAreGatheredAndTheImageIsAsGood) {
+    const auto frames = framesOf("kite.glb", kByAnchors, {10, 11, 12, 13, 14});
+    for (int frame = 10; frame <= 14; ++frame) {
+        const RenderResult& result = frames[static_cast<size_t>(frame - 10)];
+        const RenderStats& stats = result.stats;
+        const RenderResult alone =
+            renderFrame(sceneAt(sceneFile("kite.glb"), frame / 24.0), kParams);
+        EXPECT_EQ(stats.pixels_uncovered, 0);
+        EXPECT_EQ(stats.nonfinite_pixels, 0);
+        EXPECT_LT(relativeRms(result.frame.indirect, alone.frame.indirect), 0.06) << frame;
+        if (frame > 10) {
+            EXPECT_LT(stats.records - stats.records_reused + stats.records_renewed,
+                      alone.stats.records * 2 / 3)
+                << frame;
+        }
+    }
+}
+
+TEST(FollowedRecords, LightIsNotLate) {
+    // The door opens from frame 12 on.
+    const auto frames = framesOf("doors.glb", kByAnchors, {11, 12, 13, 14, 15, 16, 17, 18, 19, 20});
+    const RenderResult alone = renderFrame(sceneAt(sceneFile("doors.glb"), 20 / 24.0), kParams);
+    EXPECT_LT(relativeRms(frames.back().frame.indirect, alone.frame.indirect), 0.05);
+    EXPECT_GT(relativeRms(frames.front().frame.indirect, alone.frame.indirect), 0.2);
+    EXPECT_GT(frames.back().stats.records_reused, frames.back().stats.records / 2);
+}
+
+TEST(FollowedRecords, HaveTheSameBitsForAnyNumberOfThreads) {
+    const int before = threadCount();
+    setThreadCount(1);
+    const auto alone = framesOf("kite.glb", kByAnchors, {20, 21, 22});
+    setThreadCount(2);
+    const auto together = framesOf("kite.glb", kByAnchors, {20, 21, 22});
+    setThreadCount(before);
+    for (size_t k = 0; k < alone.size(); ++k) {
+        EXPECT_TRUE(sameBits(alone[k].frame.indirect, together[k].frame.indirect)) << k;
+    }
+}
+
+TEST(FollowedRecords, OfAMovingCameraTheyStay) {
+    const auto frames = framesOf("orbit.glb", kByAnchors, {0, 1});
+    EXPECT_GT(frames[1].stats.records_reused, 0);
+    EXPECT_EQ(frames[1].stats.records_renewed, 0);
+}
+
+TEST(FollowedRecords, ThoseOfFramesThatAreNotNeighboursAreNotMixed) {
+    const auto frames = framesOf("kite.glb", kByAnchors, {10, 12, 13});
+    EXPECT_EQ(frames[1].stats.records_reused, 0);
+    EXPECT_GT(frames[2].stats.records_reused, 0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "gather/anchors.h"
 #include "gather/motion.h"
 
 namespace sheen {
@@ -27,6 +28,11 @@ struct Ageing {
     TemporalParams params = {};
     std::vector<uint8_t> moved = {};  ///< [triangle]: since the frame before; empty: none has
     std::shared_ptr<const Motion> coming = {};  ///< up to the next frame; null: not known
+    /// Records have no lives but are followed, by strata that are tied to these, for which the
+    /// frame has begun; null: they have. `stands`: nothing but cameras differs from the frame
+    /// before.
+    std::shared_ptr<Anchors> anchors = {};
+    bool stands = false;
 };
 
 }  // namespace sheen

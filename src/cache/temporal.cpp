@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "gather/strata.h"
 #include "rays/jitter.h"
 
 namespace sheen {
@@ -68,6 +69,36 @@ std::vector<float> changesOf(const RecordField& field, const TemporalParams& par
         result[indices[n]] = changes[n];
     }
     return result;
+}
+
+// Whether a record goes on as it is, or as its strata say.
+bool goesOn(const Ageing& ageing, const GatheredRecord& found, bool moved, float change) {
+    if (ageing.anchors) {
+        return ageing.stands || (found.strata != nullptr && !moved);
+    }
+    return !moved && found.age < found.lifespan && change <= ageing.params.accuracy;
+}
+
+// Brings records with strata up to date, and tells them who looks at them now.
+void followStrata(const Scene& scene, const Receivers& receivers, const Ageing& ageing,
+                  Gatherer& gatherer, RecordField& field) {
+    std::vector<GatheredRecord*> followed;
+    for (size_t k = 0; k < field.records.size(); ++k) {
+        GatheredRecord& found = field.records[k];
+        const auto i = static_cast<size_t>(field.pixels[k]);
+        if (!found.strata || !goesOn(ageing, found, moves(ageing, receivers.triangles[i]), 0.0f)) {
+            continue;
+        }
+        RecordSite& site = found.strata->site;
+        const RecordSite seen = siteAt(scene, receivers, i);
+        const bool turned = seen.lobe.any() && seen.toward_viewer != site.toward_viewer;
+        site.toward_viewer = seen.toward_viewer;
+        site.lobe = seen.lobe;
+        if (!ageing.stands || turned) {
+            followed.push_back(&found);
+        }
+    }
+    gatherer.follow(followed, ageing.stands);
 }
 
 // What mixing takes of a record.
@@ -189,14 +220,19 @@ void growOlder(GatheredRecord& found, const TemporalParams& params) {
 size_t renew(const Scene& scene, const Receivers& receivers, const PlacementParams& placement,
              const Ageing& ageing, Gatherer& gatherer, RecordField& field) {
     const TemporalParams& params = ageing.params;
-    const std::vector<float> changes = changesOf(field, params, gatherer);
+    std::vector<float> changes(field.records.size());
+    if (ageing.anchors) {
+        followStrata(scene, receivers, ageing, gatherer, field);
+    } else {
+        changes = changesOf(field, params, gatherer);
+    }
     std::vector<size_t> ended;
     std::vector<RecordSite> sites;
     for (size_t k = 0; k < field.records.size(); ++k) {
         const GatheredRecord& found = field.records[k];
         const auto i = static_cast<size_t>(field.pixels[k]);
         const bool moved = moves(ageing, receivers.triangles[i]);
-        if (!moved && found.age < found.lifespan && changes[k] <= params.accuracy) {
+        if (goesOn(ageing, found, moved, changes[k])) {
             continue;
         }
         RecordSite site = siteAt(scene, receivers, i);
@@ -225,7 +261,9 @@ size_t renew(const Scene& scene, const Receivers& receivers, const PlacementPara
             GatheredRecord& found = field.records[k];
             endLife(found, gathered[n], changes[k], params);
             found = std::move(gathered[n]);
-            beginLife(found, params);
+            if (!ageing.anchors) {
+                beginLife(found, params);
+            }
         }
     }
     return ended.size();

@@ -48,8 +48,10 @@ void growOlder(GatheredRecord& found, const TemporalParams& params);
 
 /// Of records that were taken for a view, gathers anew those whose life has ended, those whose
 /// light has changed by more than a_t as their witnesses say, whether that was foreseen or not, and
-/// those on surfaces that moved: at their places or, of these, at their receivers. Returns how
-/// many.
+/// those on surfaces that moved: at their places or, of these, at their receivers. Records that
+/// have no lives but strata are followed instead (Gatherer::follow()); of these, those without
+/// strata are gathered anew in every frame in which more than cameras moves. Returns how many were
+/// gathered.
 size_t renew(const Scene& scene, const Receivers& receivers, const PlacementParams& placement,
              const Ageing& ageing, Gatherer& gatherer, RecordField& field);
 

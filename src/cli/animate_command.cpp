@@ -31,6 +31,7 @@ struct AnimateOptions {
     int lifespan = 0;  // of records; 0: each frame's are its own
     std::string gradients = "extrapolated";
     TemporalParams temporal;
+    bool anchors = false;
     std::vector<CLI::Option*> of_lifespans;  // that mean nothing without
     CLI::App* app = nullptr;
 };
@@ -62,6 +63,20 @@ Output understandOutput(AnimateOptions& o, const Ranks& ranks) {
     return output;
 }
 
+// Usage error where records cannot outlive a frame, as the option asks.
+void checkRecordsLive(const char* option, const AnimateOptions& o, const Ranks& ranks) {
+    const RenderParams& params = o.render.params;
+    if (!usesCache(params.method) || params.gather_road != GatherRoad::kRays) {
+        throwUsage("{}: only records live, of radiance and irradiance by --gather ray", option);
+    }
+    if (ranks.count() > 1) {
+        throwUsage(
+            "{}: each frame takes records of the one before, so that frames cannot be "
+            "shared out over {} ranks; leave it out, or run without mpirun",
+            option, ranks.count());
+    }
+}
+
 // How records live; none: each frame has its own.
 std::optional<TemporalParams> temporalOf(const AnimateOptions& o, const Ranks& ranks) {
     if (o.lifespan == 0) {
@@ -73,16 +88,8 @@ std::optional<TemporalParams> temporalOf(const AnimateOptions& o, const Ranks& r
         }
         return std::nullopt;
     }
+    checkRecordsLive("--lifespan", o, ranks);
     const RenderParams& params = o.render.params;
-    if (!usesCache(params.method) || params.gather_road != GatherRoad::kRays) {
-        throwUsage("--lifespan: only records live, of radiance and irradiance by --gather ray");
-    }
-    if (ranks.count() > 1) {
-        throwUsage(
-            "--lifespan: each frame takes records of the one before, so that frames cannot be "
-            "shared out over {} ranks; leave it out, or run without mpirun",
-            ranks.count());
-    }
     TemporalParams temporal = o.temporal;
     temporal.longest = o.lifespan;
     temporal.gradients = kGradients.at(o.gradients);
@@ -193,6 +200,12 @@ ExitCode runAnimate(AnimateOptions& o, Ranks& ranks) {
     const Output output = understandOutput(o, ranks);
     setThreadCount(o.render.threads > 0 ? o.render.threads : ranks.threads());
     const std::optional<TemporalParams> temporal = temporalOf(o, ranks);
+    if (o.anchors) {
+        if (temporal) {
+            throwUsage("--anchors: records have no lifespan then; leave out --lifespan");
+        }
+        checkRecordsLive("--anchors", o, ranks);
+    }
     if (!o.frames.empty()) {
         parseFrames(o.frames);  // before loading
     }
@@ -203,8 +216,11 @@ ExitCode runAnimate(AnimateOptions& o, Ranks& ranks) {
     const FrameRange frames = rangeOf(o, scene);
     const SequenceKey key = keyOf(*o.app, scene.scene());
     const std::string job = jobText(key, output.frames.names(0));
-    const SequenceParams params{
-        .part = o.render.part, .fps = o.fps, .temporal = temporal, .last = frames.last};
+    const SequenceParams params{.part = o.render.part,
+                                .fps = o.fps,
+                                .temporal = temporal,
+                                .anchors = o.anchors,
+                                .last = frames.last};
     o.render.params.quiet = true;
     if (!ranks.first()) {
         FrameMaker(o.render, output.frames, scene, params, {.key = key}).serve(ranks, job);
@@ -263,6 +279,9 @@ Command addAnimate(CLI::App& program, Ranks& ranks) {
                         "(none)")
             ->check(CLI::IsMember({"extrapolated", "interpolated", "none"}))
             ->capture_default_str()};
+    app->add_flag("--anchors", options->anchors,
+                  "radiance, irradiance: records stay in place and keep what their rays met; the "
+                  "light there is found anew in every frame, and rays only where something moves");
     app->add_option("--animation", options->animation,
                     "Name or number of an animation; default: the file's first")
         ->type_name("NAME");

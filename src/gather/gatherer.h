@@ -12,8 +12,10 @@
 
 namespace sheen {
 
+class Anchors;
 class Motion;
 struct Life;
+struct Strata;
 
 /// What a gather found at a site, before any clamp of the radius.
 struct GatheredRecord {
@@ -48,6 +50,8 @@ struct GatheredRecord {
     int lifespan = 0;  ///< frames
     /// What will be known of it at its end; none unless temporal gradients are interpolated.
     std::shared_ptr<Life> life = {};
+    /// What its rays met, so that its light can be followed (Gatherer::follow()); null: not kept.
+    std::shared_ptr<Strata> strata = {};
 };
 
 /// Wall-clock time of a gather.
@@ -75,6 +79,16 @@ class Gatherer {
     /// direction. 0 without witnesses.
     virtual std::vector<float> changesSince(std::span<const GatheredRecord* const> records) {
         return std::vector<float>(records.size(), 0.0f);
+    }
+
+    /// From now on records keep what their rays met (strata.h), where the gatherer can and their
+    /// sites stand still; `anchors`, of the frame that has begun, must outlive it.
+    virtual void keepStrata(Anchors& anchors) { static_cast<void>(anchors); }
+    /// Brings records that have strata up to date: the light that they say is that of this frame.
+    /// `turned`: nothing has changed but who looks at them, so that only what their lobes see does.
+    virtual void follow(std::span<GatheredRecord* const> records, bool turned) {
+        static_cast<void>(records);
+        static_cast<void>(turned);
     }
 
     /// Time spent so far.

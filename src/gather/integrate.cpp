@@ -117,33 +117,6 @@ float greatestCurvature(const vec3& m) {
     return std::abs(mean) + std::hypot(0.5f * (m.x - m.z), m.y);
 }
 
-// What a lobe sees, texel by texel: the mean of their light by the lobe's weights, so that constant
-// light is met exactly. Unlike harmonics it keeps what is narrow, as far as texels resolve it.
-// Nothing is told by texels that do not cover the hemisphere.
-void seeThroughLobe(const Hemisphere& h, std::span<const vec4> texels, const SpecularLobe& lobe,
-                    const vec3& wo, GatheredRecord& result) {
-    if (h.params.kind != HemisphereKind::kHemicube && h.params.kind != HemisphereKind::kBorder) {
-        return;
-    }
-    const float NoV = std::max(wo.z, shared::MIN_COSINE);
-    vec3 light(0.0f);
-    float sum = 0.0f;
-    float squares = 0.0f;
-    for (size_t t = 0; t < texels.size(); ++t) {
-        const vec3& wi = h.directions[t];
-        const vec2 f =
-            shared::specularLobe(lobe.alpha, vec3(0.0f, 0.0f, 1.0f), {wo.x, wo.y, NoV}, wi);
-        const float weight = (lobe.f0 + (lobe.f90 - lobe.f0) * f.y) * f.x * h.cosines[t];
-        light += weight * vec3(texels[t]);
-        sum += weight;
-        squares += weight * weight;
-    }
-    if (sum > 0.0f) {
-        result.lobe_light = light / sum;
-        result.lobe_texels = sum * sum / squares;
-    }
-}
-
 std::vector<float> projectSh(const Hemisphere& h, std::span<const vec4> texels,
                              const TranslationGradient& gradient, const ShProjection& projection,
                              int order, const mat3& world_from_local) {
@@ -198,6 +171,37 @@ void ProjectionMatrices::prepare(const Hemisphere& hemisphere, std::span<const R
     }
 }
 
+void seeThroughLobe(const Hemisphere& h, std::span<const vec4> texels, const RecordSite& site,
+                    const mat3& frame, GatheredRecord& result) {
+    const SpecularLobe& lobe = site.lobe;
+    result.toward_viewer = site.toward_viewer;
+    result.lobe_texels = 0.0f;
+    if (!lobe.any()) {
+        return;
+    }
+    const vec3 wo = site.toward_viewer * frame;
+    if (h.params.kind != HemisphereKind::kHemicube && h.params.kind != HemisphereKind::kBorder) {
+        return;
+    }
+    const float NoV = std::max(wo.z, shared::MIN_COSINE);
+    vec3 light(0.0f);
+    float sum = 0.0f;
+    float squares = 0.0f;
+    for (size_t t = 0; t < texels.size(); ++t) {
+        const vec3& wi = h.directions[t];
+        const vec2 f =
+            shared::specularLobe(lobe.alpha, vec3(0.0f, 0.0f, 1.0f), {wo.x, wo.y, NoV}, wi);
+        const float weight = (lobe.f0 + (lobe.f90 - lobe.f0) * f.y) * f.x * h.cosines[t];
+        light += weight * vec3(texels[t]);
+        sum += weight;
+        squares += weight * weight;
+    }
+    if (sum > 0.0f) {
+        result.lobe_light = light / sum;
+        result.lobe_texels = sum * sum / squares;
+    }
+}
+
 GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
                                    const ShProjection& projection, const RecordSite& site) {
     const std::vector<vec4>& texels = seen.light;
@@ -231,7 +235,6 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
     r.tangent = frame[0];
     r.radius = inverse_sum > 0.0f ? solid_angle_sum / inverse_sum : kInfinity;
     r.irradiance = irradiance;
-    result.toward_viewer = site.toward_viewer;
     vec3* rotation[] = {&r.rotation_r, &r.rotation_g, &r.rotation_b};
     vec3* translation[] = {&r.translation_r, &r.translation_g, &r.translation_b};
     for (int c = 0; c < 3; ++c) {
@@ -240,9 +243,7 @@ GatheredRecord integrateHemisphere(const Hemisphere& h, const SeenTexels& seen,
             frame[0] * gradient.cosine_gradient[0][c] + frame[1] * gradient.cosine_gradient[1][c];
     }
     result.curvature = greatestCurvature(gradient.cosine_hessian);
-    if (site.lobe.any()) {
-        seeThroughLobe(h, texels, site.lobe, site.toward_viewer * frame, result);
-    }
+    seeThroughLobe(h, texels, site, frame, result);
     if (glossy) {
         result.sh = projectSh(h, texels, gradient, projection, site.order, frame);
     }

@@ -36,6 +36,13 @@ struct SeenTexels {
 GatheredRecord integrateHemisphere(const Hemisphere& hemisphere, const SeenTexels& seen,
                                    const ShProjection& projection, const RecordSite& site);
 
+/// What the site's lobe, if any, sees toward its viewer, texel by texel: the mean of their light by
+/// the lobe's weights, so that constant light is met exactly. Unlike harmonics it keeps what is
+/// narrow, as far as texels resolve it. `frame`: the record's. Nothing is told by texels that do
+/// not cover the hemisphere.
+void seeThroughLobe(const Hemisphere& hemisphere, std::span<const vec4> texels,
+                    const RecordSite& site, const mat3& frame, GatheredRecord& result);
+
 /// What spherical harmonics say of directions below a record's horizon.
 enum class BelowHorizon {
     kContinued,  ///< what the horizon shows: for lobes that reach there (projectionMatrix())

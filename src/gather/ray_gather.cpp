@@ -8,25 +8,14 @@
 #include "core/timer.h"
 #include "gather/face_directions.h"
 #include "gather/motion.h"
-#include "rays/jitter.h"
+#include "gather/texel_rays.h"
 
 namespace sheen {
 namespace {
 
-// Rays are cast in the order of blocks of texels, which are seen in similar directions.
-constexpr int kBlockWidth = 4;
-constexpr int kBlockHeight = Tracer::kPacket / kBlockWidth;
-
-// A texel gets a ray more for each average texel's worth of light that it varies by: for a given
-// number of rays a sum's variance is least where each texel has them in proportion to its standard
-// deviation [Ney34].
-constexpr float kLeastContrast = 2.0f;
-constexpr float kMostRays = 64.0f;
 // So many of a record's contrasts are passed on. A quarter finds a fifth less of the variance,
 // twice as many find no more.
 constexpr size_t kMostContrasts = 128;
-// Steps of the R2 sequence, whose points fill a square evenly, however many there are [Rob18].
-constexpr vec2 kSpread(0.7548777f, 0.5698403f);
 // From so many rays on, a texel's standard deviation is theirs; below, that from its neighbours.
 constexpr int kEnoughRays = 4;
 
@@ -40,85 +29,6 @@ constexpr int kEnoughTexels = 128;  // no record takes more for its reach
 
 // Of rays that are cast again to see whether a record is still right.
 constexpr size_t kWitnesses = 32;
-
-// Rays of a record, and the texels they are for. Directions below the surface, to where the shading
-// normal's hemisphere may reach, are not cast: nothing comes from there.
-struct TexelRays {
-    vec3 n_g;
-    std::vector<vec3> directions = {};
-    std::vector<float> solid_angles = {};  // that the rays stand for
-    std::vector<size_t> of = {};
-    std::vector<uint8_t> sets = {};
-
-    void reserve(size_t count) {
-        directions.reserve(count);
-        solid_angles.reserve(count);
-        of.reserve(count);
-        sets.reserve(count);
-    }
-    void add(const vec3& direction, float solid_angle, size_t texel, size_t set) {
-        if (glm::dot(direction, n_g) > 0.0f) {
-            directions.push_back(direction);
-            solid_angles.push_back(solid_angle);
-            of.push_back(texel);
-            sets.push_back(static_cast<uint8_t>(set));
-        }
-    }
-    std::vector<vec4> cast(const OutgoingLight& light, const vec3& eye, bool without_caustics,
-                           vec3* planes = nullptr) const {
-        std::vector<vec4> seen(directions.size());
-        light.cast({.origin = eye,
-                    .directions = directions,
-                    .solid_angles = solid_angles,
-                    .sets = sets,
-                    .without_caustics = without_caustics},
-                   seen.data(), planes);
-        return seen;
-    }
-};
-
-// What a texel's light counts for: irradiance weighs it by its cosine, lobes anywhere.
-std::span<const float> weightsFor(const Hemisphere& h, int order) {
-    return order == shared::DIFFUSE_ORDER ? h.cosines : h.solid_angles;
-}
-
-// Light of texels, over their average.
-std::vector<float> relativeLight(std::span<const vec4> texels, std::span<const float> weights) {
-    std::vector<float> light(texels.size());
-    float sum = 0.0f;
-    for (size_t t = 0; t < texels.size(); ++t) {
-        light[t] = (texels[t].x + texels[t].y + texels[t].z) * weights[t];
-        sum += light[t];
-    }
-    const float scale = static_cast<float>(texels.size()) / sum;
-    if (!std::isfinite(scale)) {
-        return std::vector<float>(texels.size());  // dark, or nearly
-    }
-    for (float& l : light) {
-        l *= scale;
-    }
-    return light;
-}
-
-// By how much light changes across each texel, judged by its neighbours and, but for its share of
-// the average, never by its own ray: were it looked at closer because its ray met something bright,
-// but not because it missed it, light would be lost.
-std::vector<float> contrastsOfNeighbours(const Hemisphere& h, std::span<const float> light) {
-    std::vector<float> least(light.size(), kInfinity);
-    std::vector<float> most(light.size(), 0.0f);
-    const auto heed = [&](uint32_t t, uint32_t neighbour) {
-        least[t] = std::min(least[t], light[neighbour]);
-        most[t] = std::max(most[t], light[neighbour]);
-    };
-    for (const HemisphereWall& wall : h.walls) {
-        heed(wall.a, wall.b);
-        heed(wall.b, wall.a);
-    }
-    for (size_t t = 0; t < light.size(); ++t) {
-        most[t] = std::max(most[t] - least[t], 0.0f);
-    }
-    return most;
-}
 
 // What is smaller than a texel and bright, one ray in many meets, and no neighbour: half of the
 // variance lies in one texel of a hundred, and records nearby know which. Raises the contrasts of
@@ -141,74 +51,6 @@ void heedContrasts(const Hemisphere& h, std::span<const FaceDirections> faces, c
             }
             break;  // no other face meets it
         }
-    }
-}
-
-int raysMore(float contrast) {
-    return contrast >= kLeastContrast ? static_cast<int>(std::min(contrast, kMostRays)) : 0;
-}
-
-// One ray through each texel, at a random place of its own. Neighbours, which decide how many more
-// there are of a texel, are of other sets: did their chance depend on the texel's, light would be
-// lost or won.
-TexelRays raysThroughTexels(const Hemisphere& h, std::span<const FaceDirections> faces,
-                            const vec3& n_g, uint32_t seed) {
-    TexelRays rays{.n_g = n_g};
-    rays.reserve(static_cast<size_t>(h.texelCount()));
-    for (size_t f = 0; f < faces.size(); ++f) {
-        const HemisphereFace& face = h.faces[f];
-        for (int y0 = 0; y0 < face.height; y0 += kBlockHeight) {
-            for (int x0 = 0; x0 < face.width; x0 += kBlockWidth) {
-                for (int y = y0; y < std::min(y0 + kBlockHeight, face.height); ++y) {
-                    for (int x = x0; x < std::min(x0 + kBlockWidth, face.width); ++x) {
-                        const size_t t = texelOf(h, face, x, y);
-                        const vec2 place = randomPlace(seed, static_cast<uint32_t>(t));
-                        const size_t set = 2 * f + static_cast<size_t>((x + y) % 2);
-                        rays.add(faces[f].direction(x, y, place), h.solid_angles[t], t, set);
-                    }
-                }
-            }
-        }
-    }
-    return rays;
-}
-
-// More where light changes, spread evenly over the texel from a random place on [Rob18].
-TexelRays raysWhereLightChanges(const Hemisphere& h, std::span<const FaceDirections> faces,
-                                const vec3& n_g, uint32_t seed, std::span<const float> contrasts) {
-    TexelRays rays{.n_g = n_g};
-    rays.reserve(2 * contrasts.size());
-    for (size_t f = 0; f < faces.size(); ++f) {
-        const HemisphereFace& face = h.faces[f];
-        for (int y = 0; y < face.height; ++y) {
-            for (int x = 0; x < face.width; ++x) {
-                const size_t t = texelOf(h, face, x, y);
-                const int count = raysMore(contrasts[t]);
-                const float solid_angle = h.solid_angles[t] / static_cast<float>(1 + count);
-                const vec2 start = randomPlace(seed, static_cast<uint32_t>(contrasts.size() + t));
-                for (int k = 0; k < count; ++k) {
-                    const vec2 place = glm::fract(start + static_cast<float>(k) * kSpread);
-                    rays.add(faces[f].direction(x, y, place), solid_angle, t, 0);
-                }
-            }
-        }
-    }
-    return rays;
-}
-
-// Makes texels, of one ray each, the means of radiance and of the distance's inverse over all rays.
-void addRays(const TexelRays& more, std::span<const vec4> more_seen,
-             std::span<const float> contrasts, std::span<vec4> texels) {
-    const auto inverse = [](float distance) { return distance > 0.0f ? 1.0f / distance : 0.0f; };
-    for (vec4& texel : texels) {
-        texel.w = inverse(texel.w);
-    }
-    for (size_t i = 0; i < more.of.size(); ++i) {
-        texels[more.of[i]] += vec4(vec3(more_seen[i]), inverse(more_seen[i].w));
-    }
-    for (size_t t = 0; t < texels.size(); ++t) {
-        texels[t] /= static_cast<float>(1 + raysMore(contrasts[t]));
-        texels[t].w = inverse(texels[t].w);
     }
 }
 
@@ -274,21 +116,27 @@ int sideForReach(int usual, float reach) {
     return std::min(side, std::max(usual, kEnoughTexels));
 }
 
+// With the matrices that the sites need.
+RayGatherer::Resolution& RayGatherer::resolutionOf(int side, std::span<const RecordSite> sites) {
+    const auto [found, fresh] = resolutions_.try_emplace(side);
+    Resolution& resolution = found->second;
+    if (fresh) {
+        HemisphereParams params = params_;
+        params.size = side;
+        resolution.hemisphere = makeHemisphere(params);
+        resolution.projections = ProjectionMatrices(below_);
+    }
+    resolution.projections.prepare(resolution.hemisphere, sites);
+    return resolution;
+}
+
 // The resolution of each site, with the matrices that it needs.
 std::vector<const RayGatherer::Resolution*> RayGatherer::prepare(
     std::span<const RecordSite> sites) {
     std::vector<const Resolution*> resolutions;
     for (size_t i = 0; i < sites.size(); ++i) {
-        HemisphereParams params = params_;
-        params.size = sideForReach(params_.size, sites[i].reach);
-        const auto [found, fresh] = resolutions_.try_emplace(params.size);
-        Resolution& resolution = found->second;
-        if (fresh) {
-            resolution.hemisphere = makeHemisphere(params);
-            resolution.projections = ProjectionMatrices(below_);
-        }
-        resolution.projections.prepare(resolution.hemisphere, sites.subspan(i, 1));
-        resolutions.push_back(&resolution);
+        const int side = sideForReach(params_.size, sites[i].reach);
+        resolutions.push_back(&resolutionOf(side, sites.subspan(i, 1)));
     }
     return resolutions;
 }
@@ -314,6 +162,7 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         seen[i] = see(h, site, site.seed, found);
         seen[i].rays += looked.rays;
     });
+    tieGathered(resolutions, seen);
     seconds_.see += see_timer.seconds();
     const Timer project_timer;
     std::vector<GatheredRecord> results(sites.size());
@@ -324,6 +173,7 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         results[i].contrasts = std::move(seen[i].contrasts);
         results[i].witnesses = std::move(seen[i].witnesses);
         results[i].eye = sites[i].eye();
+        results[i].strata = std::move(seen[i].strata);
         lookAhead(*resolutions[i], seen[i].texels, sites[i], results[i]);
     });
     seconds_.project += project_timer.seconds();
@@ -331,6 +181,114 @@ std::vector<GatheredRecord> RayGatherer::gather(std::span<const RecordSite> site
         rays_cast_ += s.rays;
     }
     return results;
+}
+
+// ---- Strata -------------------------------------------------------------------------------------
+
+void RayGatherer::keepStrata(Anchors& anchors) {
+    const Timer timer;
+    anchors_ = &anchors;
+    anchors.lightBy(light_, without_caustics_);
+    seconds_.see += timer.seconds();
+}
+
+bool RayGatherer::keepsStrata(const RecordSite& site) const {
+    return anchors_ != nullptr && !anchors_->movers().moves(site.triangle);
+}
+
+void RayGatherer::tieTogether(std::span<Strata* const> strata, std::span<MetByRays> met) {
+    tie(light_.scene(), *anchors_, strata, met);
+    anchors_->lightBy(light_, without_caustics_);
+}
+
+// From the first on records say what their anchors do.
+void RayGatherer::tieGathered(std::span<const Resolution* const> resolutions,
+                              std::span<Seen> seen) {
+    std::vector<Strata*> strata;
+    std::vector<MetByRays> met;
+    std::vector<size_t> of;
+    for (size_t i = 0; i < seen.size(); ++i) {
+        if (seen[i].strata && !anchors_->claim(seen[i].strata->anchors.size())) {
+            seen[i].strata.reset();
+        }
+        if (seen[i].strata) {
+            strata.push_back(seen[i].strata.get());
+            met.push_back(std::move(seen[i].met));
+            of.push_back(i);
+        }
+    }
+    if (strata.empty()) {
+        return;
+    }
+    const auto count = static_cast<int>(of.size());
+    tieTogether(strata, met);
+    parallelFor(count, [&](int n) {
+        const auto k = static_cast<size_t>(n);
+        lookCloser(resolutions[of[k]]->hemisphere, {light_, without_caustics_}, *anchors_,
+                   *strata[k], met[k]);
+    });
+    tieTogether(strata, met);
+    parallelFor(count, [&](int n) {
+        const auto k = static_cast<size_t>(n);
+        seen[of[k]].texels = texelsOf(*anchors_, *strata[k], met[k]);
+    });
+}
+
+// What the record has become. It takes what stays of `before`.
+GatheredRecord RayGatherer::followed(const Resolution& resolution, MetByRays& met,
+                                     GatheredRecord& before, bool turned) const {
+    const Hemisphere& h = resolution.hemisphere;
+    const RecordSite& site = before.strata->site;
+    const SeenTexels texels = texelsOf(*anchors_, *before.strata, met);
+    if (turned) {
+        GatheredRecord now = std::move(before);
+        seeThroughLobe(h, texels.light, now.strata->site, tangentFrame(now.record.normal, 0.0f),
+                       now);
+        return now;
+    }
+    GatheredRecord now =
+        integrateHemisphere(h, texels, resolution.projections.of(site.order), site);
+    now.contrasts = std::move(before.contrasts);
+    now.eye = before.eye;
+    now.age = before.age;
+    now.strata = std::move(before.strata);
+    return now;
+}
+
+void RayGatherer::follow(std::span<GatheredRecord* const> records, bool turned) {
+    constexpr size_t kTogether = 256;
+    for (size_t first = 0; first < records.size(); first += kTogether) {
+        const auto some = records.subspan(first, std::min(kTogether, records.size() - first));
+        const auto count = static_cast<int>(some.size());
+        const Timer see_timer;
+        std::vector<const Resolution*> resolutions;
+        std::vector<Strata*> strata;
+        for (const GatheredRecord* record : some) {
+            strata.push_back(record->strata.get());
+            resolutions.push_back(&resolutionOf(strata.back()->side, {&strata.back()->site, 1}));
+        }
+        std::vector<MetByRays> met(some.size());
+        parallelFor(count, [&](int k) {
+            const auto i = static_cast<size_t>(k);
+            const Hemisphere& h = resolutions[i]->hemisphere;
+            const LightForRays by{light_, without_caustics_};
+            met[i] = traceChanged(h, by, *anchors_, *strata[i]);
+            if (anchors_->change()) {
+                lookCloser(h, by, *anchors_, *strata[i], met[i]);
+            }
+        });
+        tieTogether(strata, met);
+        seconds_.see += see_timer.seconds();
+        const Timer project_timer;
+        parallelFor(count, [&](int k) {
+            const auto i = static_cast<size_t>(k);
+            *some[i] = followed(*resolutions[i], met[i], *some[i], turned);
+        });
+        seconds_.project += project_timer.seconds();
+        for (const MetByRays& m : met) {
+            rays_cast_ += static_cast<int64_t>(m.strata.size());
+        }
+    }
 }
 
 std::vector<float> RayGatherer::changesSince(std::span<const GatheredRecord* const> records) {
@@ -421,10 +379,7 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
     const mat3 frame = tangentFrame(site.normal);
     const vec3 eye = site.eye();
     const std::span<const float> weights = weightsFor(h, site.order);
-    std::vector<FaceDirections> faces;
-    for (const HemisphereFace& face : h.faces) {
-        faces.emplace_back(face, frame);
-    }
+    const std::vector<FaceDirections> faces = directionsOfFaces(h, frame);
     Seen result;
     std::vector<vec4>& texels = result.texels.light;
     texels.resize(static_cast<size_t>(h.texelCount()));
@@ -432,7 +387,11 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
 
     const TexelRays first = raysThroughTexels(h, faces, site.geometric_normal, seed);
     std::vector<vec3> planes(first.of.size());
-    const std::vector<vec4> first_seen = first.cast(light_, eye, without_caustics_, planes.data());
+    const bool keeps = keepsStrata(site) && seed == site.seed;
+    std::vector<Hit> first_hits(keeps ? first.of.size() : 0);
+    const auto hits_of = [&](std::vector<Hit>& hits) { return keeps ? hits.data() : nullptr; };
+    const std::vector<vec4> first_seen =
+        first.cast(light_, eye, without_caustics_, planes.data(), hits_of(first_hits));
     for (size_t i = 0; i < first.of.size(); ++i) {
         texels[first.of[i]] = first_seen[i];
         result.texels.planes[first.of[i]] = planes[i] * frame;  // into the record's frame
@@ -445,13 +404,22 @@ RayGatherer::Seen RayGatherer::see(const Hemisphere& h, const RecordSite& site, 
     // What is smaller than a texel deviates, over what a texel brings, as the side.
     const float sharpness = static_cast<float>(h.params.size) / static_cast<float>(params_.size);
     heedContrasts(h, faces, eye, found, sharpness, contrasts);
-    const TexelRays more = raysWhereLightChanges(h, faces, site.geometric_normal, seed, contrasts);
-    const std::vector<vec4> more_seen = more.cast(light_, eye, without_caustics_);
-    addRays(more, more_seen, contrasts, texels);
+    std::vector<uint8_t> counts = raysMore(contrasts);
+    const TexelRays more = raysWhereLightChanges(h, faces, site.geometric_normal, seed, counts);
+    std::vector<Hit> more_hits(keeps ? more.of.size() : 0);
+    const std::vector<vec4> more_seen =
+        more.cast(light_, eye, without_caustics_, nullptr, hits_of(more_hits));
+    addRays(more.of, more_seen, counts, texels);
     result.rays = static_cast<int64_t>(first.of.size() + more.of.size());
     result.contrasts = findContrasts(h, texels, weights, more, more_seen, eye, frame);
     for (Contrast& c : result.contrasts) {
         c.strength /= sharpness;
+    }
+    if (keeps) {
+        const CastRays cast[] = {{first, first_hits, first_seen, planes},
+                                 {more, more_hits, more_seen}};
+        result.strata = std::make_shared<Strata>(
+            makeStrata(h, site, std::move(counts), cast, anchors_->movers(), result.met));
     }
     return result;
 }

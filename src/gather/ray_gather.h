@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "gather/integrate.h"
+#include "gather/strata.h"
 #include "light/outgoing.h"
 
 namespace sheen {
@@ -35,6 +36,8 @@ class RayGatherer : public Gatherer {
 
     void lookAheadBy(const Motion& motion) override { motion_ = &motion; }
     std::vector<float> changesSince(std::span<const GatheredRecord* const> records) override;
+    void keepStrata(Anchors& anchors) override;
+    void follow(std::span<GatheredRecord* const> records, bool turned) override;
 
     /// Rays cast so far from records, those from what they met to the lights not counted.
     int64_t rays() const { return rays_cast_; }
@@ -49,7 +52,15 @@ class RayGatherer : public Gatherer {
         std::vector<Contrast> contrasts;
         std::vector<GatheredRecord::Witness> witnesses;
         int64_t rays = 0;
+        std::shared_ptr<Strata> strata = {};
+        MetByRays met = {};  // of those
     };
+    Resolution& resolutionOf(int side, std::span<const RecordSite> sites);
+    GatheredRecord followed(const Resolution& resolution, MetByRays& met, GatheredRecord& before,
+                            bool turned) const;
+    bool keepsStrata(const RecordSite& site) const;
+    void tieTogether(std::span<Strata* const> strata, std::span<MetByRays> met);
+    void tieGathered(std::span<const Resolution* const> resolutions, std::span<Seen> seen);
     std::vector<const Resolution*> prepare(std::span<const RecordSite> sites);
     Seen see(const Hemisphere& h, const RecordSite& site, uint32_t seed,
              std::span<const Contrast> found) const;
@@ -67,6 +78,7 @@ class RayGatherer : public Gatherer {
     bool without_caustics_;
     BelowHorizon below_;
     const Motion* motion_ = nullptr;         // none: nothing is known of the next frame
+    Anchors* anchors_ = nullptr;             // none: strata are not kept
     std::map<int, Resolution> resolutions_;  // by texels along the side
     int64_t rays_cast_ = 0;
 };

@@ -49,7 +49,8 @@ RecordSite siteAt(const Scene& scene, const Receivers& receivers, size_t i, bool
         .toward_viewer = p.toward_viewer,
         .offset = p.offset,
         .seed = seedAt(scene, receivers.triangles[i], p.position, receivers.footprints[i]),
-        .order = receivers.orders[i]};
+        .order = receivers.orders[i],
+        .triangle = receivers.triangles[i]};
     if (!receivers.irradiance_only && !receivers.isTooGlossy(i) && normal == scattering) {
         const vec3& f0 = receivers.f0[i];
         site.lobe = {.alpha = receivers.alpha(i),

@@ -40,6 +40,7 @@ struct RecordSite {
     float reach = 0;         ///< that its record will most likely have, in pixels; 0: not known
     std::vector<Contrast> contrasts = {};  ///< what records nearby found: where to look closer
     bool first = false;                    ///< of the first grid: few have records nearby
+    uint32_t triangle = ~0u;               ///< that it lies on; ~0: not known
 
     /// From where the site is looked out of.
     vec3 eye() const { return offSurface(position, geometric_normal, toward_viewer, offset); }

@@ -4,7 +4,7 @@
 
 namespace sheen {
 
-void OutgoingLight::cast(const Rays& rays, vec4* seen, vec3* planes) const {
+void OutgoingLight::cast(const Rays& rays, vec4* seen, vec3* planes, Hit* met) const {
     Hit hits[kTogether];
     vec3 light[kTogether];
     for (size_t first = 0; first < rays.directions.size(); first += kTogether) {
@@ -14,6 +14,9 @@ void OutgoingLight::cast(const Rays& rays, vec4* seen, vec3* planes) const {
         radiance(part, {hits, count}, light);
         for (size_t i = 0; i < count; ++i) {
             seen[first + i] = vec4(light[i], hits[i].found() ? hits[i].distance : 0.0f);
+        }
+        if (met != nullptr) {
+            std::copy_n(hits, count, met + first);
         }
     }
 }

@@ -20,8 +20,9 @@ class OutgoingLight {
     const Scene& scene() const { return tracer_.scene(); }
 
     /// For each ray: the radiance that arrives, and in w the distance it comes from, 0 where
-    /// nothing is met. As many `seen` as rays. `planes`: as Tracer::meet() has them.
-    void cast(const Rays& rays, vec4* seen, vec3* planes = nullptr) const;
+    /// nothing is met. As many `seen` as rays. `planes`, `met`: as Tracer::meet() has planes and
+    /// hits.
+    void cast(const Rays& rays, vec4* seen, vec3* planes = nullptr, Hit* met = nullptr) const;
 
     /// So many rays are lit together, at the most: few hits of a packet lack light, those of many
     /// packets fill packets of shadow rays.

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <utility>
 
 #include "cache/temporal.h"
 #include "core/timer.h"
+#include "gather/strata.h"
 #include "render/crop.h"
 
 namespace sheen {
@@ -58,6 +60,40 @@ Ageing FrameSequence::ageingAt(int number, SceneChange change) {
     return ageing;
 }
 
+// Begins a frame for anchors. Unused ones are dropped now and then.
+Ageing FrameSequence::beginAnchors(int number, SceneChange change, const KeptRecords& kept) {
+    constexpr size_t kFew = 4096;
+    const bool stands = change != SceneChange::kScene;
+    Ageing ageing{.anchors = anchors_, .stands = stands};
+    if (stands) {
+        return ageing;
+    }
+    const Scene& scene = scene_.scene();
+    std::vector<uint8_t> moves(scene.triangles.size(), 0);
+    if (places_) {
+        ageing.moved = movedTriangles(scene, places_->positions);
+        moves = ageing.moved;
+    }
+    if (const auto next = scene_.positionsAt((number + 1) / sequence_.fps)) {
+        const std::vector<uint8_t> will = movedTriangles(scene, *next);
+        std::transform(moves.begin(), moves.end(), will.begin(), moves.begin(), std::bit_or<>());
+    }
+    std::vector<Strata*> strata;
+    size_t rays = 0;
+    for (const GatheredRecord& found : kept.records()) {
+        if (found.strata) {
+            strata.push_back(found.strata.get());
+            rays += found.strata->anchors.size();
+        }
+    }
+    if (anchors_->size() > 2 * anchors_used_ + kFew) {
+        dropUnused(*anchors_, strata);
+        anchors_used_ = anchors_->size();
+    }
+    anchors_->beginFrame(scene, std::move(moves), rays);
+    return ageing;
+}
+
 // Records of the frame before, for this one; none where it is not the next, or where it cannot be
 // told which surface is which.
 KeptRecords FrameSequence::keptFor(int number, SceneChange change) {
@@ -69,9 +105,18 @@ KeptRecords FrameSequence::keptFor(int number, SceneChange change) {
     }
     if (!places_) {
         kept = {};
+        anchors_ = sequence_.anchors ? std::make_shared<Anchors>() : nullptr;
+        anchors_used_ = 0;
     }
-    kept.forgetEnded();
-    kept.beginFrame(ageingAt(number, change), change == SceneChange::kScene);
+    if (sequence_.anchors) {
+        if (change == SceneChange::kScene) {
+            kept.dropToLatest(kept.latest().size());  // what nobody saw was not followed
+        }
+        kept.beginFrame(beginAnchors(number, change, kept), false);
+    } else {
+        kept.forgetEnded();
+        kept.beginFrame(ageingAt(number, change), change == SceneChange::kScene);
+    }
     places_ = Places{number, scene.positions, scene.triangles};
     return kept;
 }
@@ -105,11 +150,11 @@ const RenderResult& FrameSequence::renderAtOnce(int number) {
         }
         return *last_;
     }
-    if (sequence_.temporal) {
+    if (keepsRecords()) {
         session_->keepRecords(keptFor(number, change_), recordRecipe(params_));
     }
     last_ = image(number);
-    if (sequence_.temporal) {
+    if (keepsRecords()) {
         kept_ = session_->takeRecords();
     }
     last_->stats.seconds.total = timer.seconds();

@@ -21,6 +21,9 @@ struct SequenceParams {
     /// Records live for some frames: each then depends on those before it. None: each frame is as
     /// if it were rendered alone.
     std::optional<TemporalParams> temporal = {};
+    /// Records stay, and are followed by what their rays met (gather/strata.h). Not with
+    /// `temporal`.
+    bool anchors = false;
     /// Where temporal gradients are interpolated: no frame after it is looked at.
     int last = std::numeric_limits<int>::max();
 };
@@ -66,7 +69,9 @@ class FrameSequence {
     };
     SceneChange moveTo(int number);
     KeptRecords keptFor(int number, SceneChange change);
+    bool keepsRecords() const { return sequence_.temporal || sequence_.anchors; }
     Ageing ageingAt(int number, SceneChange change);
+    Ageing beginAnchors(int number, SceneChange change, const KeptRecords& kept);
     RenderParams paramsAt(int number) const;
     RenderResult image(int number);
     const RenderResult& renderAtOnce(int number);
@@ -81,8 +86,10 @@ class FrameSequence {
     int at_ = 0;  // the frame that the scene was moved to last
     std::unique_ptr<Session> session_;
     std::optional<RenderResult> last_;
-    std::optional<Places> places_;  // of the frame whose records were gathered last
-    KeptRecords kept_;              // likewise
+    std::optional<Places> places_;      // of the frame whose records were gathered last
+    KeptRecords kept_;                  // likewise
+    std::shared_ptr<Anchors> anchors_;  // of those
+    size_t anchors_used_ = 0;           // when they were counted last
     std::deque<GatheredFrame> ahead_;
     SceneChange change_ = SceneChange::kScene;
 };

@@ -160,6 +160,10 @@ Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& 
     if (ageing != nullptr && ageing->coming) {
         gatherer->lookAheadBy(*ageing->coming);
     }
+    const bool follows = ageing != nullptr && ageing->anchors != nullptr;
+    if (follows) {
+        gatherer->keepStrata(*ageing->anchors);
+    }
     try {
         if (ageing != nullptr) {
             stats.records_renewed += static_cast<int>(
@@ -168,7 +172,7 @@ Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& 
         const size_t known = view.field.records.size();
         Placement placement =
             placeRecords(state.scene, view.receivers, how, *gatherer, view.field, quiet, at_most);
-        if (ageing != nullptr) {
+        if (ageing != nullptr && !follows) {
             beginLives(view.field, known, ageing->params, known == 0);
         }
         account();
