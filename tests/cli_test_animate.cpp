@@ -147,6 +147,8 @@ TEST_F(CliAnimate, Errors) {
         expectError(fmt::format("animate scene.gltf -o %d.exr --anchors {}", options),
                     ExitCode::kUsage, "--anchors: ");
     }
+    expectError("animate scene.gltf -o %d.exr --anchors --temporal-accuracy 0.1", ExitCode::kUsage,
+                "--temporal-accuracy: is of records with a lifespan");
     expectError("animate none.gltf -o %d.exr", ExitCode::kInput, "none.gltf");
     writeScene([](Json& json) { json["animations"][0]["samplers"][0]["input"] = 77; });
     expectError("animate scene.gltf -o %d.exr", ExitCode::kInput, "accessor 77");

@@ -33,7 +33,7 @@ struct Followed {
     Followed(const Scene& scene, std::span<const RecordSite> sites,
              std::vector<uint8_t> moves = {}) {
         const LitScene lit(scene);
-        anchors.beginFrame(scene, std::move(moves), 0);
+        anchors.beginFrame(scene, std::move(moves), {}, 0);
         RayGatherer gatherer(lit.light, kHemicubeOf24);
         gatherer.keepStrata(anchors);
         records = gatherer.gather(sites);
@@ -41,7 +41,7 @@ struct Followed {
     // To another frame of it. Rays cast.
     int64_t follow(const Scene& scene, std::vector<uint8_t> moves = {}) {
         const LitScene lit(scene);
-        anchors.beginFrame(scene, std::move(moves), 0);
+        anchors.beginFrame(scene, std::move(moves), {}, 0);
         RayGatherer gatherer(lit.light, kHemicubeOf24);
         gatherer.keepStrata(anchors);
         std::vector<GatheredRecord*> all;
@@ -192,7 +192,7 @@ TEST(Strata, AnOccluderThatMovesFlagsWhatItCoversAndUncovers) {
     const Hemisphere h = makeHemisphere(kHemicubeOf24);
     const Scene now = roomWithMovingBoard(0.3f);
     const LitScene lit(now);
-    followed.anchors.beginFrame(now, kBoardMoves, 0);
+    followed.anchors.beginFrame(now, kBoardMoves, {}, 0);
     size_t covered = 0, uncovered = 0;
     for (GatheredRecord& record : followed.records) {
         Strata& strata = *record.strata;
@@ -277,7 +277,7 @@ Anchors::Met metFrom(const vec3& origin, const vec3& direction, const Scene& sce
 TEST(Anchors, AreSharedWhereNormalsAgreeNearby) {
     const Scene scene = roomWithMovingBoard(0.0f);
     Anchors anchors;
-    anchors.beginFrame(scene, {}, 0);
+    anchors.beginFrame(scene, {}, {}, 0);
     const Anchors::Met met = metFrom(vec3(0.5f, 0, 0), vec3(0.02f, -1, 0.6f), scene);
     const auto added = anchors.findOrAdd(scene, met);
     ASSERT_TRUE(added);
@@ -292,7 +292,7 @@ TEST(Anchors, AreSharedWhereNormalsAgreeNearby) {
     // What is no longer where it was.
     std::vector<uint8_t> moves(14, 0);
     moves[met.hit.triangle] = 1;
-    anchors.beginFrame(scene, moves, 0);
+    anchors.beginFrame(scene, moves, {}, 0);
     EXPECT_FALSE(anchors.stands(added->anchor));
     EXPECT_FALSE(anchors.find(scene, met));
 }
@@ -301,7 +301,7 @@ TEST(Anchors, LieWithinWhatRaysStandFor) {
     const Scene scene = roomWithMovingBoard(0.0f);
     const Tracer tracer(scene);
     Anchors anchors;
-    anchors.beginFrame(scene, {}, 0);
+    anchors.beginFrame(scene, {}, {}, 0);
     Random random(3);
     size_t shared = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -322,9 +322,35 @@ TEST(Anchors, LieWithinWhatRaysStandFor) {
     EXPECT_GT(shared, 2000u);
 }
 
+// Where something has gone from is seen anew as well: glass that was there tinted what lies behind.
+TEST(Movers, HideWhatTheyHaveLeft) {
+    const Scene before = roomWithMovingBoard(0.0f), now = roomWithMovingBoard(0.4f);
+    std::vector<uint8_t> moves(now.triangles.size(), 0);
+    size_t board = 0;
+    for (size_t t = 0; t < now.triangles.size(); ++t) {
+        for (int corner = 0; corner < 3; ++corner) {
+            const uint32_t v = now.triangles[t][corner];
+            moves[t] |= now.positions[v] != before.positions[v] ? 1 : 0;
+        }
+        board = moves[t] != 0 ? t : board;
+    }
+    ASSERT_EQ(moves[board], 1);
+    const auto middle = [&](const Scene& scene) {
+        const uvec3& t = scene.triangles[board];
+        return (scene.positions[t.x] + scene.positions[t.y] + scene.positions[t.z]) / 3.0f;
+    };
+    const vec3 eye(0.0f, -0.95f, 0.0f);
+    const std::vector<vec3> ways = {glm::normalize(middle(now) - eye),
+                                    glm::normalize(middle(before) - eye)};
+    const std::vector<float> far(2, kInfinity);
+    EXPECT_EQ(Movers(now, moves).hide(eye, ways, far), (std::vector<uint8_t>{1, 0}));
+    EXPECT_EQ(Movers(now, moves, before.positions).hide(eye, ways, far),
+              (std::vector<uint8_t>{1, 1}));
+}
+
 TEST(Anchors, RoomForRaysIsBounded) {
     Anchors anchors;
-    anchors.beginFrame(Scene(), {}, Anchors::kMostRays - 10);
+    anchors.beginFrame(Scene(), {}, {}, Anchors::kMostRays - 10);
     EXPECT_FALSE(anchors.claim(11));
     EXPECT_TRUE(anchors.claim(10));
     EXPECT_FALSE(anchors.claim(1));

@@ -81,6 +81,10 @@ void checkRecordsLive(const char* option, const AnimateOptions& o, const Ranks& 
 std::optional<TemporalParams> temporalOf(const AnimateOptions& o, const Ranks& ranks) {
     if (o.lifespan == 0) {
         for (const CLI::Option* option : o.of_lifespans) {
+            if (option->count() > 0 && o.anchors) {
+                throwUsage("{}: is of records with a lifespan, not of those that --anchors follows",
+                           option->get_name());
+            }
             if (option->count() > 0) {
                 throwUsage("{}: needs --lifespan, since otherwise each frame has its own records",
                            option->get_name());

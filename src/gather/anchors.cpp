@@ -46,8 +46,9 @@ uint64_t cellOf(const vec3& p, float wanted) {
 
 }  // namespace
 
-void Anchors::beginFrame(const Scene& scene, std::vector<uint8_t> moves, size_t rays) {
-    movers_ = Movers(scene, std::move(moves));
+void Anchors::beginFrame(const Scene& scene, std::vector<uint8_t> moves,
+                         std::span<const vec3> before, size_t rays) {
+    movers_ = Movers(scene, std::move(moves), before);
     for (size_t k = 0; k < places_.size(); ++k) {
         if (movers_.moves(places_[k].hit.triangle)) {
             stands_[k] = 0;
@@ -85,13 +86,17 @@ Anchors::Surface Anchors::surfaceOf(const Scene& scene, const Met& met) {
     if (!varies) {
         surface.color = vec3(1.0f);
     }
+    if (material.emits()) {
+        surface.emission = emissionAt(scene, hit.triangle, vec3(1.0f - hit.u - hit.v, hit.u, hit.v),
+                                      met.solid_angle * hit.distance * hit.distance);
+    }
     surface.cell = cellOf(p.position, kCell * hit.distance * std::sqrt(met.solid_angle));
     return surface;
 }
 
 // By what a point reflects more than an anchor; none where the one does not tell of the other.
 std::optional<vec3> Anchors::tintOf(const Surface& anchor, const Surface& met) {
-    if (anchor.material != met.material ||
+    if (anchor.material != met.material || anchor.emission != met.emission ||
         glm::dot(anchor.point.normal, met.point.normal) < kSameNormal) {
         return std::nullopt;
     }
@@ -102,6 +107,9 @@ std::optional<vec3> Anchors::tintOf(const Surface& anchor, const Surface& met) {
     for (int c = 0; c < 3; ++c) {
         if (met.color[c] == anchor.color[c]) {
             continue;
+        }
+        if (met.emission != vec3(0.0f)) {
+            return std::nullopt;  // which a tint would change
         }
         tint[c] = met.color[c] / anchor.color[c];
         if (!(tint[c] <= kMostTint && tint[c] * kMostTint >= 1.0f)) {

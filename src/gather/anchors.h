@@ -23,9 +23,10 @@ class Anchors {
 
     /// Begins a frame, in which triangles move as `moves` says: [triangle], 1 where one has moved
     /// since the frame before or will until the next; empty: none. The scene's triangles are those
-    /// of the frame before. What lies on one that moves is no anchor any more. `rays`: so many are
-    /// tied to anchors.
-    void beginFrame(const Scene& scene, std::vector<uint8_t> moves, size_t rays);
+    /// of the frame before, when its vertices were at `before`; empty: where they are. What lies on
+    /// one that moves is no anchor any more. `rays`: so many are tied to anchors.
+    void beginFrame(const Scene& scene, std::vector<uint8_t> moves, std::span<const vec3> before,
+                    size_t rays);
     /// Whether so many more may be, which counts them.
     bool claim(size_t rays);
     const Movers& movers() const { return movers_; }
@@ -73,8 +74,9 @@ class Anchors {
     // What decides whether two points may share an anchor.
     struct Surface {
         Point point = {};
-        vec3 toward{0.0f};   // unit, to who sees it
-        vec3 color{0.0f};    // what it reflects, over its material's
+        vec3 toward{0.0f};  // unit, to who sees it
+        vec3 color{0.0f};   // what it reflects, over its material's
+        vec3 emission{0.0f};
         float alpha = 0.0f;  // of its lobe; 0: it has none
         uint32_t material = 0;
         uint64_t cell = 0;

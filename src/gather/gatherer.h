@@ -60,7 +60,8 @@ struct GatherSeconds {
     double project = 0;  ///< sums, gradients, spherical harmonics
 };
 
-/// What a gatherer keeps from call to call changes no result: these depend on the sites alone.
+/// What a gatherer keeps from call to call changes no result, but for anchors that rays are tied
+/// to: these depend on the sites alone.
 class Gatherer {
   public:
     Gatherer() = default;

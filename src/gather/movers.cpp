@@ -50,17 +50,23 @@ void forEachPart(const Scene& scene, std::span<uint32_t> triangles, int halvings
 
 }  // namespace
 
-Movers::Movers(const Scene& scene, std::vector<uint8_t> moves) : moves_(std::move(moves)) {
+Movers::Movers(const Scene& scene, std::vector<uint8_t> moves, std::span<const vec3> before)
+    : moves_(std::move(moves)) {
     auto moving = std::make_unique<Scene>();
-    for (size_t i = 0; i < moves_.size(); ++i) {
-        if (moves_[i] == 0) {
-            continue;
-        }
+    const auto add = [&](size_t triangle, std::span<const vec3> positions) {
         const auto base = static_cast<uint32_t>(moving->positions.size());
         for (int corner = 0; corner < 3; ++corner) {
-            moving->positions.push_back(scene.positions[scene.triangles[i][corner]]);
+            moving->positions.push_back(positions[scene.triangles[triangle][corner]]);
         }
         moving->triangles.emplace_back(base, base + 1, base + 2);
+    };
+    for (size_t i = 0; i < moves_.size(); ++i) {
+        if (moves_[i] != 0) {
+            add(i, scene.positions);
+            if (!before.empty()) {
+                add(i, before);
+            }
+        }
     }
     if (moving->triangles.empty()) {
         return;

@@ -15,8 +15,10 @@ namespace sheen {
 class Movers {
   public:
     Movers() = default;
-    /// `moves`: [triangle], 1 of those that do; empty: none does.
-    Movers(const Scene& scene, std::vector<uint8_t> moves);
+    /// `moves`: [triangle], 1 of those that do; empty: none does. `before`: where the vertices were
+    /// in the frame before, which counts as well: what something has left is seen anew; empty:
+    /// where they are.
+    Movers(const Scene& scene, std::vector<uint8_t> moves, std::span<const vec3> before = {});
 
     bool any() const { return tracer_ != nullptr; }
     bool moves(uint32_t triangle) const { return triangle < moves_.size() && moves_[triangle]; }
@@ -36,7 +38,7 @@ class Movers {
         float radius = 0.0f;
     };
     std::vector<uint8_t> moves_;
-    std::unique_ptr<Scene> scene_;  // of the triangles that move alone
+    std::unique_ptr<Scene> scene_;  // of the triangles that move alone, now and before
     std::unique_ptr<Tracer> tracer_;
     std::vector<Ball> balls_;
 };

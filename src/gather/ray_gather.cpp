@@ -273,7 +273,7 @@ void RayGatherer::follow(std::span<GatheredRecord* const> records, bool turned) 
             const Hemisphere& h = resolutions[i]->hemisphere;
             const LightForRays by{light_, without_caustics_};
             met[i] = traceChanged(h, by, *anchors_, *strata[i]);
-            if (anchors_->change()) {
+            if (anchors_->change() && !turned) {
                 lookCloser(h, by, *anchors_, *strata[i], met[i]);
             }
         });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -167,8 +168,12 @@ void WaysOn::follow(const Rays& rays, std::span<const Hit> hits, const Light& li
     };
     for (size_t i = 0; i < hits.size(); ++i) {
         if (hits[i].found()) {
+            std::optional<Chances> own;
+            if (!rays.origins.empty()) {
+                own.emplace(seedOf(hits[i]));
+            }
             goOn(hits[i], -rays.directions[i], i, 0, hits[i].weight, rays.without_caustics,
-                 sets[rays.setOf(i)]);
+                 own ? *own : sets[rays.setOf(i)]);
         }
     }
     const auto pursue = [&](const Ways& ways, int followed, bool without_caustics) {

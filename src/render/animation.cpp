@@ -41,9 +41,10 @@ SceneChange FrameSequence::moveTo(int number) {
         return moved;
     }
     session_.reset();
-    // Once records are known few are gathered.
+    // Once records are known few are gathered. Anchors find light in the same way in all frames.
+    const bool few = places_ || sequence_.anchors;
     session_ = std::make_unique<Session>(scene_.scene(), RankedJob{},
-                                         places_ ? RaysWanted::kFew : RaysWanted::kMany);
+                                         few ? RaysWanted::kFew : RaysWanted::kMany);
     return SceneChange::kScene;
 }
 
@@ -86,11 +87,13 @@ Ageing FrameSequence::beginAnchors(int number, SceneChange change, const KeptRec
             rays += found.strata->anchors.size();
         }
     }
-    if (anchors_->size() > 2 * anchors_used_ + kFew) {
+    if (anchors_->size() >= std::min(2 * anchors_used_ + kFew, Anchors::kMost)) {
         dropUnused(*anchors_, strata);
         anchors_used_ = anchors_->size();
     }
-    anchors_->beginFrame(scene, std::move(moves), rays);
+    anchors_->beginFrame(
+        scene, std::move(moves),
+        places_ ? std::span<const vec3>(places_->positions) : std::span<const vec3>(), rays);
     return ageing;
 }
 
