@@ -5,6 +5,7 @@
 #include <array>
 
 #include "bake/charts.h"
+#include "bake/seams.h"
 #include "test_bake.h"
 
 namespace sheen {
@@ -291,6 +292,17 @@ TEST(Atlas, columnsAreUnrolled) {
     }
     // Sides that meet at more than 37 degrees are an edge.
     EXPECT_EQ(makeCharts(column(8)).size(), 9u);
+}
+
+// Where it closes there is a seam, though both sides are of one chart.
+TEST(Seams, countWhereAChartMeetsItself) {
+    const Scene scene = column(24);
+    const Bench bench(scene, 64);
+    ASSERT_EQ(bench.map.atlas.charts, 2);  // and the floor, which meets it at an edge
+    const Seams seams = seamsOf(bench.map, Image<vec3>(64, 64, vec3(1.0f)));
+    EXPECT_GT(seams.texels, 10);
+    EXPECT_LT(seams.texels, 100);
+    EXPECT_EQ(seams.across, 0.0);
 }
 
 // A strip that winds up: as seen from above it lies over itself.
