@@ -183,31 +183,36 @@ Placement placeTimed(SceneState& state, ViewState& view, const PlacementParams& 
     }
 }
 
-// What records say of the strays of edges, and records of their own of those that none serves.
-SplatBuffer splatStrays(SceneState& state, const ViewState& view, const RecordCache& cache,
-                        const PlacementParams& how, const HemisphereParams& hemisphere,
-                        RenderStats& stats) {
-    const Receivers& strays = view.edges->strays;
-    SplatBuffer splat = splatCpu(strays, cache, how.servingWeight());
+// Gives receivers that no record serves records of their own: strays of edges, and pixels that a
+// record was placed for which does not serve them, since what records were placed by is wider
+// across the surface (servingWeight()). So many.
+int serveMissed(SceneState& state, const ViewState& view, const Receivers& receivers,
+                const PlacementParams& how, const HemisphereParams& hemisphere,
+                SplatBuffer& splat) {
     std::vector<size_t> missed;
     for (size_t i = 0; i < splat.irradiance.pixels.size(); ++i) {
-        if (strays.seen(i) && splat.irradiance.pixels[i].w <= shared::MIN_WEIGHT_SUM) {
+        if (receivers.orders[i] != kNoOrder &&
+            splat.irradiance.pixels[i].w <= shared::MIN_WEIGHT_SUM) {
             missed.push_back(i);
         }
     }
-    stats.edge_records = static_cast<int>(missed.size());
     if (missed.empty()) {
-        return splat;
+        return 0;
     }
     const std::unique_ptr<Gatherer> gatherer = makeGatherer(state, view, hemisphere);
-    const RecordCache own = recordsAt(state.scene, strays, missed, how, *gatherer);
-    const SplatBuffer by_own = splatCpu(strays, own, how.servingWeight());
-    for (const size_t i : missed) {
-        splat.irradiance.pixels[i] = by_own.irradiance.pixels[i];
-        splat.specular.pixels[i] = by_own.specular.pixels[i];
-        splat.missed.pixels[i] = by_own.missed.pixels[i];
-    }
-    return splat;
+    const RecordCache own = recordsAt(state.scene, receivers, missed, how, *gatherer);
+    const SplatBuffer by_own = splatCpu(receivers, own, how.servingWeight());
+    const auto take = [&](Image<vec4>& all, const Image<vec4>& own_says) {
+        for (const size_t i : missed) {
+            if (!all.pixels.empty()) {  // one that nothing is said in is empty
+                all.pixels[i] = own_says.pixels.empty() ? vec4(0.0f) : own_says.pixels[i];
+            }
+        }
+    };
+    take(splat.irradiance, by_own.irradiance);
+    take(splat.specular, by_own.specular);
+    take(splat.missed, by_own.missed);
+    return static_cast<int>(missed.size());
 }
 
 // What samples of edges see, for what their pixels' middles do; `splat`: of the strays.
@@ -288,6 +293,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
 
     const Timer splat_timer;
     SplatBuffer splat = splatView(state, view, placement.cache, how.servingWeight());
+    serveMissed(state, view, view.receivers, how, hemisphere, splat);
     seconds.splat += splat_timer.seconds();
 
     const Timer compose_timer;
@@ -306,8 +312,9 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
         addErrorOfCut(estimate);
     }
     if (view.edges) {
-        const SplatBuffer of_strays =
-            splatStrays(state, view, placement.cache, how, hemisphere, stats);
+        SplatBuffer of_strays = splatCpu(view.edges->strays, placement.cache, how.servingWeight());
+        stats.edge_records =
+            serveMissed(state, view, view.edges->strays, how, hemisphere, of_strays);
         counts.add(smoothEdges(view, of_strays, {view.receivers, splat, specular}, result));
     }
     result.frame.caustic = view.caustic;
