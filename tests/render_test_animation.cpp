@@ -308,6 +308,27 @@ TEST(FollowedRecords, OfAMovingCameraTheyStay) {
     EXPECT_EQ(frames[1].stats.records_renewed, 0);
 }
 
+// A record that lies at a pixel of this view, but not in its middle, may serve others alone.
+TEST(LivingRecords, LeaveNoPixelBlackWhereTheCameraMoves) {
+    AnimatedScene scene(sceneFile("orbit.glb"));
+    RenderParams params;
+    params.width = params.height = 64;
+    params.bounces = 1;
+    params.caustics = 0;
+    params.aa = 1;
+    params.all_layers = true;
+    params.quiet = true;
+    SequenceParams how;
+    how.temporal = TemporalParams{};
+    FrameSequence sequence(scene, params, how);
+    for (int frame = 0; frame <= 2; ++frame) {
+        const Frame& image = sequence.render(frame).frame;
+        for (size_t i = 0; i < image.weight.pixels.size(); ++i) {
+            EXPECT_GT(image.weight.pixels[i], 0.0f) << "frame " << frame << ", pixel " << i;
+        }
+    }
+}
+
 TEST(FollowedRecords, ThoseOfFramesThatAreNotNeighboursAreNotMixed) {
     const auto frames = framesOf("kite.glb", kByAnchors, {10, 12, 13});
     EXPECT_EQ(frames[1].stats.records_reused, 0);
