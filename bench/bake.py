@@ -4,10 +4,9 @@ CPU time, against path-traced texels. Outside CI."""
 import argparse
 import json
 import pathlib
-import subprocess
 import tempfile
 
-from harness import ROOT, SCENES, Run, machine, table
+from harness import ROOT, SCENES, Run, compare, machine, publish
 
 # Method, in the page's words, and its option: the settings that are swept.
 METHODS = {
@@ -26,11 +25,8 @@ def bake(sheen, scene, size, out, *options):
 
 def judge(sheen, image, reference):
     """rel_rmse of the indirect light, and whether the reference can tell."""
-    judged = subprocess.run([sheen, "compare", image, reference, "--layer", "indirect", "--json", "-"],
-                            capture_output=True, text=True, check=False)
-    if judged.returncode not in (0, 3):  # 3: mostly the reference's noise
-        raise RuntimeError(judged.stderr)
-    return json.loads(judged.stdout)["rel_rmse"], judged.returncode == 0
+    figures, judged = compare(sheen, image, reference, "--layer", "indirect")
+    return figures["rel_rmse"], judged
 
 
 def measure(sheen, name, size, spp, folder):
@@ -76,11 +72,8 @@ def main():
             for row in measure(sheen, name, arguments.size, arguments.spp, pathlib.Path(folder)):
                 rows.append(row)
                 print(*cells(row), sep=" | ", flush=True)
-    if arguments.json:
-        text = json.dumps({"measured": described(arguments, sheen), "points": rows}, indent=1)
-        arguments.json.write_text(text + "\n", encoding="utf-8")
-    print()
-    print(*table(["scene", "method", "setting", "hemispheres, of the texels", "rel_rmse", "CPU s"], map(cells, rows)), sep="\n")
+    publish(rows, described(arguments, sheen), arguments.json,
+            ["scene", "method", "setting", "hemispheres, of the texels", "rel_rmse", "CPU s"], cells)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
-"""What bench/judge and bench/run share: runs of a program, Markdown tables, pages that hold them."""
+"""What programs of bench share: runs of a program, Markdown tables, pages that hold them."""
+import json
 import os
 import pathlib
 import re
@@ -32,6 +33,22 @@ def table(head, rows):
     if not rows:
         return []
     return ["| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *rows]]
+
+
+def compare(sheen, *arguments):
+    """What compare says in figures, and whether it judges: not where they are mostly the reference's noise."""
+    run = subprocess.run([sheen, "compare", *arguments, "--json", "-"], capture_output=True, text=True, check=False)
+    if run.returncode not in (0, 3) or not run.stdout:  # 3: not judged, or input that cannot be read
+        raise RuntimeError(run.stderr)
+    return json.loads(run.stdout), run.returncode == 0
+
+
+def publish(points, measured, path, head, cells):
+    """Prints a table of points, and writes them where a file is asked for, for a panel of sheen chart."""
+    if path:
+        path.write_text(json.dumps({"measured": measured, "points": points}, indent=1) + "\n", encoding="utf-8")
+    print()
+    print(*table(head, [cells(point) for point in points]), sep="\n")
 
 
 def count(number):

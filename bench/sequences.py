@@ -2,12 +2,10 @@
 """Renders scenes that move by each method, and prints as a Markdown table each one's error, flicker and CPU time a frame,
 against pairs of neighbouring frames of the reference. Outside CI."""
 import argparse
-import json
 import pathlib
-import subprocess
 import tempfile
 
-from harness import ROOT, SCENES, Run, machine, table
+from harness import ROOT, SCENES, Run, compare, machine, publish
 
 WHOLE = ["kite", "doors", "orbit"]
 # Each frame anew at several accuracies, so that a time at equal error can be read off.
@@ -39,11 +37,7 @@ def pairs(first, last, count):
 
 def judge(sheen, images, reference):
     """What compare says of a sequence; of flicker and the mean error of its frames."""
-    judged = subprocess.run([sheen, "compare", "--sequence", f"{images}/%04d.exr", f"{reference}/%04d.exr", "--json", "-"],
-                            capture_output=True, text=True, check=False)
-    if judged.returncode not in (0, 3):  # 3: some frame is mostly the reference's noise
-        raise RuntimeError(judged.stderr)
-    figures = json.loads(judged.stdout)
+    figures, _ = compare(sheen, "--sequence", f"{images}/%04d.exr", f"{reference}/%04d.exr")
     return figures["flicker"], sum(f["rel_rmse"] for f in figures["frames"]) / len(figures["frames"])
 
 
@@ -96,11 +90,8 @@ def main():
             for method in arguments.methods:
                 rows.append(measure(sheen, name, method, reference, arguments.frames, size))
                 print(*cells(rows[-1]), sep=" | ", flush=True)
-    if arguments.json:
-        text = json.dumps({"measured": described(arguments, sheen), "points": rows}, indent=1)
-        arguments.json.write_text(text + "\n", encoding="utf-8")
-    print()
-    print(*table(["scene", "method", "error", "flicker (resolution)", "CPU s a frame"], [cells(row) for row in rows]), sep="\n")
+    publish(rows, described(arguments, sheen), arguments.json,
+            ["scene", "method", "error", "flicker (resolution)", "CPU s a frame"], cells)
 
 
 if __name__ == "__main__":

@@ -32,6 +32,12 @@ ivec2 texelsOf(const UvChart& chart, double density) {
     return glm::clamp(ivec2(glm::min(size, glm::dvec2(2.0 * kLargestAtlas))), 1, 2 * kLargestAtlas);
 }
 
+// With those that stay free around it.
+int64_t texelCount(const UvChart& chart, double density) {
+    const ivec2 texels = texelsOf(chart, density) + 2 * kPadding;
+    return int64_t{texels.x} * texels.y;
+}
+
 // Where the charts lie at so many texels a unit, in order; empty where they do not fit.
 std::vector<ivec2> pack(std::span<const UvChart> charts, double density, int size) {
     std::vector<stbrp_rect> rects(charts.size());
@@ -113,8 +119,7 @@ void checkPages(const std::vector<UvChart>& charts, int size, double density) {
     const int64_t most = std::min(kMostTexels / page, kMostRows / size);
     int64_t texels = 0;
     for (const UvChart& chart : charts) {
-        const ivec2 own = texelsOf(chart, density) + 2 * kPadding;
-        texels += int64_t{own.x} * own.y;
+        texels += texelCount(chart, density);
         if (texels > most * page) {
             throwUsage(
                 "--texels-per-metre {}: takes more than {} lightmaps of {} x {} texels; ask for "
@@ -125,10 +130,13 @@ void checkPages(const std::vector<UvChart>& charts, int size, double density) {
     }
 }
 
-// How many of the first charts a page holds: by bisection, which is right up to what packing
-// happens to lose.
+// How many of the first charts a page holds: no more than have as many texels, and by bisection,
+// which is right up to what packing happens to lose.
 size_t fitting(std::span<const UvChart> charts, double density, int size) {
-    size_t fits = 0, too_many = charts.size() + 1;
+    size_t fits = 0, too_many = 0;
+    for (int64_t left = int64_t{size} * size; left >= 0; ++too_many) {
+        left -= too_many < charts.size() ? texelCount(charts[too_many], density) : left + 1;
+    }
     while (fits + 1 < too_many) {
         const size_t middle = std::midpoint(fits, too_many);
         (pack(charts.first(middle), density, size).empty() ? too_many : fits) = middle;

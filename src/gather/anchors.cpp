@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/hash.h"
 #include "core/parallel.h"
 #include "rays/surface_point.h"
 
@@ -35,11 +36,7 @@ uint64_t cellOf(const vec3& p, float wanted) {
     const vec3 corner = glm::clamp(glm::floor(place), vec3(-2e9f), vec3(2e9f));
     uint64_t hash = 0;
     for (const float number : {level, corner.x, corner.y, corner.z}) {
-        // As SplitMix64 mixes.
-        hash += static_cast<uint64_t>(static_cast<int64_t>(number));
-        hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
-        hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
-        hash ^= hash >> 31;
+        hash = splitMix(hash + static_cast<uint64_t>(static_cast<int64_t>(number)));
     }
     return hash;
 }
@@ -119,20 +116,9 @@ std::optional<vec3> Anchors::tintOf(const Surface& anchor, const Surface& met) {
     return tint;
 }
 
-size_t Anchors::slotOf(uint64_t cell) const {
-    const size_t mask = table_.size() - 1;
-    size_t slot = cell & mask;
-    while (table_[slot].first != kNone && table_[slot].cell != cell) {
-        slot = (slot + 1) & mask;
-    }
-    return slot;
-}
-
 std::optional<Anchors::Link> Anchors::findFor(const Surface& surface, const vec3& weight) const {
-    if (table_.empty()) {
-        return std::nullopt;
-    }
-    for (uint32_t k = table_[slotOf(surface.cell)].first; k != kNone; k = next_[k]) {
+    const auto first = first_of_.find(surface.cell);
+    for (uint32_t k = first == first_of_.end() ? kNone : first->second; k != kNone; k = next_[k]) {
         if (stands_[k] == 0) {
             continue;
         }
@@ -161,34 +147,18 @@ std::optional<Anchors::Link> Anchors::findOrAdd(const Scene& scene, const Met& m
     surfaces_.push_back(surface);
     stands_.push_back(1);
     light_.emplace_back(0.0f);
-    next_.push_back(kNone);
     insert(added);
     return Link{added, met.hit.weight};
 }
 
 // At the end of its cell's, so that those found before still are.
 void Anchors::insert(uint32_t anchor) {
-    constexpr size_t kFewest = 1024;
-    if (table_.size() < 2 * (size_t{anchor} + 1)) {
-        rebuildTable(std::max(kFewest, 2 * table_.size()));
-        return;
-    }
-    const uint64_t cell = surfaces_[anchor].cell;
-    Slot& slot = table_[slotOf(cell)];
-    slot.cell = cell;
-    uint32_t* last = &slot.first;
+    next_.push_back(kNone);
+    uint32_t* last = &first_of_.try_emplace(surfaces_[anchor].cell, kNone).first->second;
     while (*last != kNone) {
         last = &next_[*last];
     }
     *last = anchor;
-}
-
-void Anchors::rebuildTable(size_t slots) {
-    table_.assign(slots, Slot{});
-    std::fill(next_.begin(), next_.end(), kNone);
-    for (uint32_t k = 0; k < size(); ++k) {
-        insert(k);
-    }
 }
 
 void Anchors::lightBy(const OutgoingLight& light, bool without_caustics) {
@@ -247,10 +217,13 @@ std::vector<uint32_t> Anchors::keepOnly(std::span<const uint8_t> used) {
     surfaces_.resize(kept);
     stands_.resize(kept);
     light_.resize(kept);
-    next_.resize(kept);
     lit_ = lit;
     before_ = before;
-    rebuildTable(table_.size());
+    next_.clear();
+    first_of_.clear();
+    for (uint32_t k = 0; k < kept; ++k) {
+        insert(k);
+    }
     return becomes;
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "gather/movers.h"
@@ -81,16 +82,10 @@ class Anchors {
         uint32_t material = 0;
         uint64_t cell = 0;
     };
-    struct Slot {
-        uint64_t cell = 0;
-        uint32_t first = kNone;  // anchor of the cell; kNone: the slot is free
-    };
     static Surface surfaceOf(const Scene& scene, const Met& met);
     static std::optional<vec3> tintOf(const Surface& anchor, const Surface& met);
     std::optional<Link> findFor(const Surface& surface, const vec3& weight) const;
-    size_t slotOf(uint64_t cell) const;
     void insert(uint32_t anchor);
-    void rebuildTable(size_t slots);
 
     Movers movers_;
     // [anchor]
@@ -98,8 +93,8 @@ class Anchors {
     std::vector<Surface> surfaces_;
     std::vector<uint8_t> stands_;
     std::vector<vec3> light_;
-    std::vector<uint32_t> next_;  // of the same cell
-    std::vector<Slot> table_;
+    std::vector<uint32_t> next_;                       // of the same cell
+    std::unordered_map<uint64_t, uint32_t> first_of_;  // [cell]: anchor
     bool change_ = false;
     size_t rays_ = 0;    // that are tied
     size_t before_ = 0;  // so many, the first, there were in the frame before

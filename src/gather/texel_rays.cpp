@@ -19,6 +19,7 @@ constexpr vec2 kSpread(0.7548777f, 0.5698403f);
 // number of rays a sum's variance is least where each texel has them in proportion to its standard
 // deviation [Ney34].
 constexpr float kMostRays = 64.0f;
+
 // Where in its texel a ray goes through. The others are spread evenly over it from a random place
 // on [Rob18].
 vec2 placeInTexel(const Hemisphere& h, size_t texel, int number, uint32_t seed) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/directions.h"
+#include "core/hash.h"
 
 namespace sheen {
 namespace {
@@ -19,13 +20,6 @@ constexpr float kOffSurface = 0.5f;
 
 float offPlane(const vec3& d, const vec3& n, const vec3& other) {
     return 0.5f * std::abs(glm::dot(d, n + other));
-}
-
-// A hash of 64 bits. [Sta14, "splitmix"]
-uint64_t mix(uint64_t x) {
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
 }
 
 }  // namespace
@@ -81,7 +75,7 @@ uint64_t Elements::keyOf(int level, const vec3& scaled) {
 
 size_t Elements::slotOf(uint64_t key) const {
     const size_t mask = voxels_.size() - 1;
-    size_t slot = mix(key) & mask;
+    size_t slot = splitMix(key) & mask;
     while (voxels_[slot].first != kNone && voxels_[slot].key != key) {
         slot = (slot + 1) & mask;
     }

@@ -293,7 +293,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
 
     const Timer splat_timer;
     SplatBuffer splat = splatView(state, view, placement.cache, how.servingWeight());
-    serveMissed(state, view, view.receivers, how, hemisphere, splat);
+    const int apart = serveMissed(state, view, view.receivers, how, hemisphere, splat);
     seconds.splat += splat_timer.seconds();
 
     const Timer compose_timer;
@@ -327,6 +327,7 @@ void renderPass(const RenderParams& params, const Pass& pass, SceneState& state,
     stats.accuracy = pass.accuracy;
     stats.gather_size = hemisphere.size;
     tell(placement, estimate, counts, stats);
+    stats.records += apart;
     stats.records_reused = static_cast<int>(view.field.reused);
     stats.records_of_clusters = static_cast<int>(view.field.of_clusters);
 }
